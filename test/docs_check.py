@@ -13,7 +13,7 @@ import sys
 
 # map.number("key", ...) and the like; helpers that take the map first: degrees(map, "key"), readSign(map, "key"), bit("key", ...).
 ASKED = re.compile(r'(?:\.|->)(?:text|textOr|number|numberOr|integer|integerOr|flagOr|numbers|texts|choice|choiceOr|map|mapIfAny|maps)'
-                   r'\(\s*"(\w+)"|\b(?:degrees|readSign|unsignedNumber|readVector3|readEffects|findPort|bit)\((?:\s*\w+\s*,)?\s*"(\w+)"'
+                   r'\(\s*"(\w+)"|\b(?:degrees|readSign|unsignedNumber|readVector3|readEffects|readFriction|findPort|bit)\((?:\s*\w+\s*,)?\s*"(\w+)"'
                    r'|\{"(\w+_(?:m|deg))", "')
 WRITTEN = re.compile(r'\{"(\w+)",|\["(\w+)"\]')
 TABLE_KEY = re.compile(r"^\| `([\w]+)` \|")

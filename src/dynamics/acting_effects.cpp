@@ -29,6 +29,11 @@ class Reader {
  public:
   Reader(const mechanism::Robot& robot, ActingEffects& to) : robot_(robot), to_(to) {}
 
+  /// Of effects that were found: those that no law gives.
+  void nameLeftOut(const ModelEffect& e) {
+    if (e.transfers && !effectLaw(e.name, e.depends_on, valuesOf(e.shape))) leaveOut(e, whyNotInstantly(e.name));
+  }
+
   void add(const ModelEffect& e) {
     std::vector<double> coefficients = valuesOf(e.coefficients);
     if (!e.transfers) return leaveOut(e, "it belongs to the recordings of its training");
@@ -104,8 +109,13 @@ EffectsSee seenBy(const Model& model, const std::vector<double>& values, bool be
 
 ActingEffects::ActingEffects(const Model& model, const mechanism::Robot& robot) {
   Reader reader(robot, *this);
-  for (const ModelEffect& e : model.elsewhere ? model.elsewhere->effects : model.effects)
+  const ModelElsewhere* const numbers = numbersOfController(model);
+  for (const ModelEffect& e : numbers ? numbers->effects : model.effects)
     reader.add(e);
+  if (model.feedforward) {  // fitted without what a controller cannot give
+    for (const ModelEffect& e : model.elsewhere ? model.elsewhere->effects : model.effects)
+      reader.nameLeftOut(e);
+  }
   if (model.elsewhere) {  // what training recordings have of their own is left out as well
     for (const ModelEffect& e : model.effects) {
       if (!e.transfers) reader.add(e);
@@ -114,7 +124,7 @@ ActingEffects::ActingEffects(const Model& model, const mechanism::Robot& robot) 
   for (int i = 0; i < robot.axes(); ++i)
     turn_m[i] = kTurnCounts * robot.actuators[static_cast<std::size_t>(i)].metresPerCount();
   if (!any()) return;
-  const std::vector<double>& values = model.elsewhere ? model.elsewhere->effects_see : model.effects_see;
+  const std::vector<double>& values = numbers ? numbers->effects_see : model.effects_see;
   if (values.size() != model.parameters.size())
     throw InputError("lacks effects_see, without which its effects cannot be computed; trace again with this version");
   see = seenBy(model, values, !robot.mechanism);

@@ -100,6 +100,14 @@ std::unique_ptr<const EffectLaw> effectLaw(const std::string& name, const std::s
   return std::make_unique<SmoothNearRest>(std::move(law), shape.back());
 }
 
+bool actsOnWithoutLaw(const std::string& name) {
+  for (const char* other :
+       {"external_force", "payload_change", "sensor_lag", "stretch_reflex", "joint_stretch_reflex", "passive_joint"}) {
+    if (name == other) return false;
+  }
+  return true;
+}
+
 std::string whyNotInstantly(const std::string& name) {
   if (name == "external_force") return "it belongs to one recording";
   if (name == "backlash" || name == "flexible_coupling")

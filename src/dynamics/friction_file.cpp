@@ -77,10 +77,10 @@ FrictionElement readElement(StrictMap map, bool revolute) {
 
 }  // namespace
 
-std::string frictionText(const std::vector<FrictionLaw>& laws) {
+std::string frictionText(const std::vector<FrictionLaw>& laws, const std::string& key) {
   std::string y =
-      "# Law of friction near rest: elements whose shares of the actuator's Coulomb friction (Fc) add up to 1.\n"
-      "friction_near_rest:\n";
+      "# Law of friction near rest: elements whose shares of the actuator's Coulomb friction (Fc) add up to 1.\n" +
+      key + ":\n";
   for (std::size_t i = 0; i < laws.size(); ++i) {
     y += "  - {actuator: " + std::to_string(i + 1) + ", elements: [";
     for (int k = 0; k < laws[i].count; ++k)
@@ -90,11 +90,12 @@ std::string frictionText(const std::vector<FrictionLaw>& laws) {
   return y;
 }
 
-std::vector<FrictionLaw> readFriction(StrictMap& file, int axes, const std::vector<char>& revolute) {
-  std::vector<StrictMap> entries = file.maps("friction_near_rest");
+std::vector<FrictionLaw> readFriction(StrictMap& file, const std::string& key, int axes,
+                                      const std::vector<char>& revolute) {
+  std::vector<StrictMap> entries = file.maps(key);
   if (entries.size() != static_cast<std::size_t>(axes))
-    file.refuse("friction_near_rest", "has " + std::to_string(entries.size()) + " entries where " +
-                                          std::to_string(axes) + " actuators need one each");
+    file.refuse(key, "has " + std::to_string(entries.size()) + " entries where " + std::to_string(axes) +
+                         " actuators need one each");
   std::vector<FrictionLaw> laws;
   for (StrictMap& entry : entries) {
     const int actuator = static_cast<int>(laws.size()) + 1;

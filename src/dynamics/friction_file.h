@@ -8,9 +8,10 @@
 
 namespace knee_robot::dynamics {
 
-/// `friction_near_rest` of a model file: one entry per actuator.
-std::string frictionText(const std::vector<FrictionLaw>& laws);
+/// Laws near rest of a model file under `key`: one entry per actuator.
+std::string frictionText(const std::vector<FrictionLaw>& laws, const std::string& key);
 /// `revolute`: one entry an actuator, or empty where none is.
-std::vector<FrictionLaw> readFriction(StrictMap& file, int axes, const std::vector<char>& revolute = {});
+std::vector<FrictionLaw> readFriction(StrictMap& file, const std::string& key, int axes,
+                                      const std::vector<char>& revolute = {});
 
 }  // namespace knee_robot::dynamics

@@ -17,7 +17,7 @@ double valueOf(const Model& model, const std::vector<double>& values, const std:
 }
 
 std::vector<double> valuesOf(const Model& model) {
-  if (model.elsewhere) return model.elsewhere->parameters;
+  if (const ModelElsewhere* numbers = numbersOfController(model)) return numbers->parameters;
   std::vector<double> values;
   for (const ModelParameter& p : model.parameters)
     values.push_back(p.value);
@@ -25,6 +25,11 @@ std::vector<double> valuesOf(const Model& model) {
 }
 
 }  // namespace
+
+const ModelElsewhere* numbersOfController(const Model& model) {
+  if (model.feedforward) return &model.feedforward->numbers;
+  return model.elsewhere ? &*model.elsewhere : nullptr;
+}
 
 std::vector<std::string> axisParameterNames(int axes) {
   std::vector<std::string> names;
@@ -88,8 +93,9 @@ ForceModel::ForceModel(const Model& model, const mechanism::Robot& robot)
   const std::vector<double> values = valuesOf(model);
   parameters.setZero();
   axis_parameters.setZero();
+  const std::vector<FrictionLaw>& laws = model.feedforward ? model.feedforward->friction : model.friction;
   for (int i = 0; i < axes; ++i)
-    friction[static_cast<std::size_t>(i)] = model.friction[static_cast<std::size_t>(i)];
+    friction[static_cast<std::size_t>(i)] = laws[static_cast<std::size_t>(i)];
   if (mechanism) {
     parameters = extendedValues(model, values);
     coulomb = parameters.segment<mechanism::kLegs>(extended::kCoulomb);

@@ -75,16 +75,21 @@ bool ofTrace(const Model& m) {
   return !m.effects.empty() || !m.effects_see.empty();
 }
 
+std::string numbersText(const std::string& use, const ModelElsewhere& numbers) {
+  return "parameters_" + use + ": " + list(numbers.parameters) + "\neffects_see_" + use + ": " +
+         list(numbers.effects_see) + "\n" + effectsText("effects_" + use, numbers.effects);
+}
+
 /// What only trace writes.
 std::string traceText(const Model& m) {
   std::string y = "# Effects beyond the parameters above; shapes bend their columns, coefficients multiply them.\n";
   y += effectsText("effects", m.effects);
   if (!m.effects_see.empty()) y += "effects_see: " + list(m.effects_see) + "\n";
-  if (!m.elsewhere) return y;
-  y += "# On recordings that are not listed under data.\n";
-  y += "parameters_elsewhere: " + list(m.elsewhere->parameters) + "\n";
-  y += "effects_see_elsewhere: " + list(m.elsewhere->effects_see) + "\n";
-  return y + effectsText("effects_elsewhere", m.elsewhere->effects);
+  if (m.elsewhere) y += "# On recordings that are not listed under data.\n" + numbersText("elsewhere", *m.elsewhere);
+  if (!m.feedforward) return y;
+  y += "# In a controller: fitted without effects that it cannot give instant by instant.\n";
+  return y + numbersText("feedforward", m.feedforward->numbers) +
+         frictionText(m.feedforward->friction, "friction_near_rest_feedforward");
 }
 
 ModelParameter readParameter(StrictMap map) {
@@ -146,11 +151,18 @@ void readTrace(StrictMap& file, Model& m) {
   m.effects = readEffects(file, "effects", m.axes);
   const std::size_t parameters = m.parameters.size();
   if (file.has("effects_see")) m.effects_see = file.numbers("effects_see", parameters, -kLargest, kLargest);
-  if (!file.has("parameters_elsewhere")) return;
-  m.elsewhere.emplace();
-  m.elsewhere->parameters = file.numbers("parameters_elsewhere", parameters, -kLargest, kLargest);
-  m.elsewhere->effects_see = file.numbers("effects_see_elsewhere", parameters, -kLargest, kLargest);
-  m.elsewhere->effects = readEffects(file, "effects_elsewhere", m.axes);
+  if (file.has("parameters_elsewhere")) {
+    m.elsewhere.emplace();
+    m.elsewhere->parameters = file.numbers("parameters_elsewhere", parameters, -kLargest, kLargest);
+    m.elsewhere->effects_see = file.numbers("effects_see_elsewhere", parameters, -kLargest, kLargest);
+    m.elsewhere->effects = readEffects(file, "effects_elsewhere", m.axes);
+  }
+  if (!file.has("parameters_feedforward") || !m.joints.empty()) return;  // a chain's model drives no controller
+  ModelFeedforward& controller = m.feedforward.emplace();
+  controller.numbers.parameters = file.numbers("parameters_feedforward", parameters, -kLargest, kLargest);
+  controller.numbers.effects_see = file.numbers("effects_see_feedforward", parameters, -kLargest, kLargest);
+  controller.numbers.effects = readEffects(file, "effects_feedforward", m.axes);
+  controller.friction = readFriction(file, "friction_near_rest_feedforward", m.axes);
 }
 
 void checkNames(const Model& model, const StrictMap& file) {
@@ -232,7 +244,7 @@ Model readModel(StrictMap file) {
     for (const double width_m : file.numbers("coulomb_width_m", axes, 1e-12, 1e3))
       m.friction.push_back(stopLaw(width_m));
   } else {
-    m.friction = readFriction(file, m.axes, revolute);
+    m.friction = readFriction(file, "friction_near_rest", m.axes, revolute);
   }
   m.residual_rms_N =
       chain ? file.numbers("residual_rms", axes, 0.0, kLargest) : file.numbers("residual_rms_N", axes, 0.0, kLargest);
@@ -285,7 +297,7 @@ std::string modelToYaml(const Model& model) {
   if (m.fit_motion_cutoff_hz > 0.0) y += "fit_motion_cutoff_hz: " + exactNumber(m.fit_motion_cutoff_hz) + "\n";
   y += "moving_m_per_s: " + exactNumber(m.moving_m_per_s) + "\n";
   y += "rank: " + std::to_string(m.rank) + "\n";
-  y += frictionText(m.friction);
+  y += frictionText(m.friction, "friction_near_rest");
   y += (m.joints.empty() ? "residual_rms_N: " : "residual_rms: ") + list(m.residual_rms_N) + "\n";
   if (!m.trained_force_N.empty()) {
     std::vector<double> ends;

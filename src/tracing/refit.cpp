@@ -40,6 +40,14 @@ JointFit fitOf(const Search& s, const std::vector<Hypothesis>& effects, LeftOut 
   return problemOf(s, effects).fit(left_out);
 }
 
+Eigen::VectorXd heldBackInAll(const Search& s, const Eigen::VectorXd& noise_N) {
+  const std::vector<Hypothesis> all = hypothesesOf(s.effects);
+  setAttention(*s.data, Attention::All);
+  Eigen::VectorXd out = JointProblem(*s.data, *s.base, noise_N, all, effectRows(*s.data, all)).heldBack();
+  setAttention(*s.data, s.attention);
+  return out;
+}
+
 Eigen::VectorXd explainedBy(const Search& s, std::size_t k) {
   std::vector<Hypothesis> without = hypothesesOf(s.effects);
   without.erase(without.begin() + static_cast<std::ptrdiff_t>(k));

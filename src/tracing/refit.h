@@ -16,6 +16,9 @@ JointProblem problemOf(const Search& search, const std::vector<Hypothesis>& effe
 /// Those fitted together, with every block left out in turn.
 JointFit fitOf(const Search& search, const std::vector<Hypothesis>& effects, LeftOut left_out = LeftOut::EveryBlock);
 
+/// Squares left on held-back blocks by base and effects as they stand, over all samples alike, weighted with `noise_N`.
+Eigen::VectorXd heldBackInAll(const Search& search, const Eigen::VectorXd& noise_N);
+
 /// By how much the residual's rms (per actuator, N) falls with effect `k` of the model as it stands: the root of the
 /// squares' difference.
 Eigen::VectorXd explainedBy(const Search& search, std::size_t k);

@@ -6,12 +6,7 @@
 namespace knee_robot::tracing {
 namespace {
 
-constexpr double kLawErrors = 2.0;  ///< standard errors by which the baseline's law must be better
-
-Eigen::VectorXd heldBack(const Search& s, const Eigen::VectorXd& noise_N) {
-  const std::vector<Hypothesis> all = hypothesesOf(s.effects);
-  return JointProblem(*s.data, *s.base, noise_N, all, effectRows(*s.data, all)).heldBack();
-}
+constexpr double kBaselineLawErrors = 2.0;  ///< standard errors by which the baseline's law must be better
 
 BaseFit withLaw(const BaseFit& base, const BaseFit& baseline, std::size_t actuator) {
   BaseFit out = base;
@@ -28,15 +23,15 @@ bool settleLaws(Search& s, const BaseFit& baseline) {
   s.attention = Attention::All;
   setAttention(*s.data, s.attention);
   const Eigen::VectorXd noise_N = s.rms_N;
-  Eigen::VectorXd left = heldBack(s, noise_N);
+  Eigen::VectorXd left = heldBackInAll(s, noise_N);
   bool changed = false;
   for (std::size_t i = 0; i < baseline.friction_laws.size(); ++i) {
     if (s.base->friction_laws[i] == baseline.friction_laws[i]) continue;
     const BaseFit now = *s.base;
     adoptBase(s, withLaw(now, baseline, i));
-    const Eigen::VectorXd with = heldBack(s, noise_N);
+    const Eigen::VectorXd with = heldBackInAll(s, noise_N);
     const HeldBackGain gain = heldBackGain(left - with);
-    if (gain.mean > kLawErrors * gain.error) {
+    if (gain.mean > kBaselineLawErrors * gain.error) {
       left = with;
       changed = true;
     } else {

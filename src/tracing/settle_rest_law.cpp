@@ -36,15 +36,6 @@ bool isPlausible(const Search& s, const Candidate* kind, double speed_m_per_s) {
   });
 }
 
-/// Held-back squares over all samples alike, weighted with `noise_N`.
-Eigen::VectorXd heldBack(const Search& s, const Eigen::VectorXd& noise_N) {
-  const std::vector<Hypothesis> all = hypothesesOf(s.effects);
-  setAttention(*s.data, Attention::All);
-  Eigen::VectorXd out = JointProblem(*s.data, *s.base, noise_N, all, effectRows(*s.data, all)).heldBack();
-  setAttention(*s.data, s.attention);
-  return out;
-}
-
 /// Law of the actuators and shapes of the effects, each chosen beside the other, until neither leaves less: friction that
 /// multiplies a law which was chosen without it is in part in that law, and each pass takes a part of that part out.
 void chooseBeside(Search& s) {
@@ -69,7 +60,7 @@ Eigen::VectorXd chooseOwnLaw(Search& s, const Candidate* kind, const Eigen::Vect
   for (const double speed : kSpeeds_m_per_s) {
     if (!isPlausible(s, kind, speed)) continue;
     setSpeed(s, kind, speed);
-    const Eigen::VectorXd now = heldBack(s, noise_N);
+    const Eigen::VectorXd now = heldBackInAll(s, noise_N);
     if (own.size() > 0 && now.sum() >= own.sum()) continue;
     own = now;
     best_speed = speed;
@@ -96,7 +87,7 @@ bool settleRestLaw(Search& s, const Candidate* kind) {
   setSpeed(s, kind, 0.0);
   chooseBeside(s);
   if (own.size() == 0) return true;
-  const HeldBackGain gain = heldBackGain(heldBack(s, noise_N) - own);
+  const HeldBackGain gain = heldBackGain(heldBackInAll(s, noise_N) - own);
   if (gain.mean > kLawErrors * gain.error) {
     s.effects = with_own;
     adoptBase(s, base_with_own);

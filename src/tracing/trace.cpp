@@ -13,6 +13,7 @@
 #include "decide.h"
 #include "doubt.h"
 #include "elsewhere.h"
+#include "fit_feedforward.h"
 #include "given_search.h"
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/identification/plausible_fit.h"
@@ -56,6 +57,7 @@ class Tracing {
     searchFastBand();
     settle();
     predictElsewhere();
+    fitFeedforward(s_, result_, options_.start != nullptr);
     return std::move(result_);
   }
 

@@ -63,12 +63,15 @@ dynamics::Model tracedModel(const mechanism::Robot& robot, const TraceResult& re
   input.recordings = static_cast<int>(training.size());
   for (const FoundEffect& e : result.effects)
     m.effects.push_back(modelEffect(e, input, m.axes));
-  if (!result.elsewhere) return m;
-  m.elsewhere.emplace();
-  m.elsewhere->parameters = valuesOf(result.elsewhere->parameters);
-  m.elsewhere->effects_see = valuesOf(result.elsewhere->seen_parameters);
-  for (const FoundEffect& e : result.elsewhere->effects)
-    m.elsewhere->effects.push_back(modelEffect(e, input, m.axes));
+  const auto numbers = [&](const TraceResult& there) {
+    dynamics::ModelElsewhere n = {valuesOf(there.parameters), valuesOf(there.seen_parameters), {}};
+    for (const FoundEffect& e : there.effects)
+      n.effects.push_back(modelEffect(e, input, m.axes));
+    return n;
+  };
+  if (result.elsewhere) m.elsewhere = numbers(*result.elsewhere);
+  if (result.feedforward)
+    m.feedforward = dynamics::ModelFeedforward{numbers(*result.feedforward), result.feedforward->base.friction_laws};
   return m;
 }
 

@@ -116,6 +116,24 @@ TEST(ActingEffects, TakeTheNumbersForOtherRecordings) {
   EXPECT_EQ(effects.gain[1], 0.2);
 }
 
+TEST(ActingEffects, TakeTheNumbersForAControllerAndNameWhatTheseAreFittedWithout) {
+  const mechanism::Robot robot = robotA();
+  Model m = fake::tracedModelOf(robot, {effect("stribeck", 1, {0.006}, {6.0}), effect("backlash", 3, {1e-4}, {1.0})});
+  m.elsewhere = ModelElsewhere{m.effects_see, m.effects_see, m.effects};
+  m.feedforward = ModelFeedforward{{m.effects_see, m.effects_see, {effect("force_gain", 2, {}, {0.2})}}, m.friction};
+  m.feedforward->numbers.parameters[0] += 1.0;
+  m.feedforward->friction[2] = smoothLaw(2e-3);
+  const ForceModel model(parseModel(modelToYaml(m), "traced.yaml"), robot);
+  EXPECT_TRUE(model.effects.acting.empty());
+  EXPECT_EQ(model.effects.gain[1], 0.2);
+  ASSERT_EQ(model.effects.left_out.size(), 1u) << "what follows from the state of a drive is given, or not found";
+  EXPECT_EQ(model.effects.left_out[0].name, "backlash");
+  EXPECT_EQ(model.effects.left_out[0].where, "axis 3");
+  EXPECT_EQ(model.parameters[0], m.parameters[0].value + 1.0);
+  EXPECT_TRUE(model.friction[2] == smoothLaw(2e-3));
+  EXPECT_TRUE(model.friction[1] == m.friction[1]);
+}
+
 TEST(ActingEffects, TakeOfNumbersForEachTrainingRecordingThoseForAnyOther) {
   const mechanism::Robot robot = robotA();
   const auto coefficientsOf = [&](const ModelEffect& e) {

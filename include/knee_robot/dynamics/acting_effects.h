@@ -41,8 +41,8 @@ struct EffectsSee {
 };
 
 /// The effects of a model file as constants. Effects that belong to one recording, or that only a whole recording
-/// shows, are left out by name; where the file has numbers `elsewhere`, those count, because a running robot is no
-/// training recording.
+/// shows, are left out by name; where the file has numbers for a controller, or `elsewhere`, those count, because a
+/// running robot is no training recording.
 struct ActingEffects {
   ActingEffects() = default;
   /// InputError when an effect is unknown, or its numbers are not that effect's, or a gain is above kMostForceGain.

@@ -96,5 +96,8 @@ std::unique_ptr<const EffectLaw> effectLaw(const std::string& name, const std::s
 
 /// Why the feedforward leaves out an effect of this name; empty: the name is unknown.
 std::string whyNotInstantly(const std::string& name);
+/// Of an effect without a law instant by instant: false where it is the patient's, a load that is declared, or lies in
+/// the recording alone. All others act on while the robot runs, though nothing is fed forward against them.
+bool actsOnWithoutLaw(const std::string& name);
 
 }  // namespace knee_robot::dynamics

@@ -65,6 +65,13 @@ struct ModelElsewhere {
   std::vector<ModelEffect> effects;
 };
 
+/// A model's numbers for a controller, where they differ: fitted without effects that no law gives it instant by instant
+/// but that act on (a supply that sags), so that the parameters take up what they can of them.
+struct ModelFeedforward {
+  ModelElsewhere numbers;
+  std::vector<FrictionLaw> friction;  ///< per actuator, chosen beside these effects
+};
+
 /// What a chain's model file says of a joint.
 struct ModelJoint {
   std::string name;
@@ -103,8 +110,13 @@ struct Model {
   /// Values of the parameters, in order, that the effects' columns were computed with (loads, friction): the last but
   /// one of the iterations between them and the fit.
   std::vector<double> effects_see;
-  std::optional<ModelElsewhere> elsewhere;  ///< empty: the same everywhere
+  std::optional<ModelElsewhere> elsewhere;      ///< empty: the same everywhere
+  std::optional<ModelFeedforward> feedforward;  ///< empty: as elsewhere
 };
+
+/// The numbers that count instant by instant, in a controller: those of its own, or those elsewhere. Null: the model has
+/// one set.
+const ModelElsewhere* numbersOfController(const Model& model);
 
 /// Fv_1 Fc_1 rotor_1 offset_1 Fv_2 ...: the parameters of `axes` bench axes.
 std::vector<std::string> axisParameterNames(int axes);
@@ -130,8 +142,8 @@ Model parseModel(const std::string& text, const std::string& path);
 /// InputError unless the model was identified with this robot file.
 void requireModelOf(const Model& model, const std::string& model_path, const mechanism::Robot& robot);
 
-/// The model as constants that forceFromModel needs. The model's numbers `elsewhere` count where it has some: what it
-/// is used for is none of its training recordings.
+/// The model as constants that forceFromModel needs. The model's numbers for a controller count where it has some, or
+/// those elsewhere: what it is used for is none of its training recordings.
 struct ForceModel {
   /// InputError when an effect is unknown or lacks its numbers.
   ForceModel(const Model& model, const mechanism::Robot& robot);

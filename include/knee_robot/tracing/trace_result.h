@@ -84,6 +84,8 @@ struct TraceResult {
   /// For other recordings: fitted without effects of which it is not known what they depend on. Empty: this result
   /// itself.
   std::shared_ptr<const TraceResult> elsewhere;
+  /// For a controller: fitted without effects that it cannot give instant by instant. Empty: as elsewhere.
+  std::shared_ptr<const TraceResult> feedforward;
 };
 
 }  // namespace knee_robot::tracing
