@@ -14,6 +14,8 @@
 namespace knee_robot::identification {
 namespace {
 
+constexpr double kLongest_m = 50.0;  ///< beyond, a length is no length of a robot in metres
+
 constexpr double kLink_kg = 5.0, kPlatform_kg = 10.0, kGyration_m = 0.2;
 
 dynamics::RobotInertia bodiesWithoutUrdf() {
@@ -142,8 +144,10 @@ MotionPath ParallelModel::follow(const recording::Signals& signals) const {
   }
   if (lost == n) {
     throw Refusal("the geometry of " + robot_.path + " reaches none of the recorded lengths (first: " +
-                  shortNumber(std::round(1e6 * signals.position_m(0, 0)) / 1e6) +
-                  " m for actuator 1); is this recording from that robot?");
+                  shortNumber(std::round(1e6 * signals.position_m(0, 0)) / 1e6) + " m for actuator 1); " +
+                  (signals.position_m(0, 0) > kLongest_m
+                       ? "are these millimetres? import_recording makes metres of them (--column 'FROM=TO,mm')"
+                       : "is this recording from that robot?"));
   }
   return path;
 }

@@ -21,6 +21,7 @@ constexpr int kLastStaleRow = 50;                 ///< a recorder's stale rows a
 constexpr double kImpossibleJump_m = 1e-3;        ///< between neighbouring rows,
 constexpr double kBurst = 20.0;                   ///< mean intervals; a recording without a longer one has no gap
 constexpr double kImpossibleSpeed_m_per_s = 2.0;  ///< and at this speed: no actuator moved so, the older row is stale
+constexpr double kLeastStroke_m = 1e-3, kSamePlace_m = 1e-9;
 
 std::string percent(double share) {
   return shortNumber(100.0 * share, 3) + " %";
@@ -187,6 +188,21 @@ void noteQuantization(const Eigen::MatrixXd& position, double period, const Sign
                     " um rms. Coulomb friction does not reverse within a step or two.");
 }
 
+/// No machine is exactly where it is told to be: such positions were not measured, or the reference was written after
+/// them. Who reads the friction and the frequencies of such a recording should know.
+void noteReferencesThatArePositions(const Recording& r, Signals& s) {
+  if (r.reference_m.size() == 0) return;
+  std::string actuators;
+  for (int i = 0; i < r.axes; ++i) {
+    const bool moves = r.position_m.col(i).maxCoeff() - r.position_m.col(i).minCoeff() > kLeastStroke_m;
+    if (moves && (r.position_m.col(i) - r.reference_m.col(i)).cwiseAbs().maxCoeff() < kSamePlace_m)
+      actuators += (actuators.empty() ? "" : ", ") + std::to_string(i + 1);
+  }
+  if (actuators.empty()) return;
+  s.notes.push_back("position and reference are the same in every row of actuator " + actuators +
+                    ": was the position measured, or one of the two columns exported twice?");
+}
+
 /// Why a recording has far fewer rows than its median interval promises: long gaps, or stamps that come in bursts.
 Refusal tooSparse(const std::string& path, const std::vector<double>& time, double period) {
   const double span = time.back() - time.front(), usual = span / static_cast<double>(time.size() - 1);
@@ -299,6 +315,7 @@ Signals resample(const Recording& r, const Eigen::MatrixXd& force_N, const Signa
   s.notes = r.notes;
   noteQuantization(r.position_m.bottomRows(rows), period, options, s);
   noteTiming(time, period, stale, s);
+  noteReferencesThatArePositions(r, s);
   return s;
 }
 

@@ -201,5 +201,23 @@ TEST(AtHoldIntervals, LooksInTheMiddleOfTheIntervalInWhichTheRowsForceHolds) {
   EXPECT_TRUE(rows.allFinite());
 }
 
+TEST(Signals, SayThatAPositionWhichNeverLeavesItsReferenceWasHardlyMeasured) {
+  Recording r = along(jitteredTimes(400, 0.01, 0.0, 1));
+  const auto said = [&] {
+    for (const std::string& note : resample(r, r.force_N).notes) {
+      if (note.find("same in every row of actuator 1") != std::string::npos) return true;
+    }
+    return false;
+  };
+  EXPECT_FALSE(said()) << "it has no reference";
+  r.reference_m = r.position_m;
+  EXPECT_TRUE(said());
+  r.reference_m(200, 0) += 2e-5;
+  EXPECT_FALSE(said());
+  r.position_m.setConstant(0.7);
+  r.reference_m = r.position_m;
+  EXPECT_FALSE(said()) << "it rests";
+}
+
 }  // namespace
 }  // namespace knee_robot::recording
