@@ -132,18 +132,6 @@ std::vector<Eigen::VectorXd> gains(const Along& along, report::TraceResults& r) 
   return out;
 }
 
-/// The baseline as a model file of identify would have it.
-dynamics::Model baselineModel(const mechanism::Robot& robot, const report::TraceResults& r) {
-  tracing::TraceResult plain = r.result;
-  plain.base = r.result.baseline;
-  plain.parameters = r.result.baseline.parameters;
-  plain.effects.clear();
-  plain.elsewhere.reset();
-  dynamics::Model model = tracing::tracedModel(robot, plain, r.train, r.options);
-  model.effects_see.clear();  // of identify: predicted instant by instant
-  return model;
-}
-
 tracing::PoseTraceOptions poseOptions(const mechanism::Robot& robot, const tracing::TraceOptions& options) {
   tracing::PoseTraceOptions pose;
   pose.condition_max = identification::conditionLimit(robot, options.observation);
@@ -199,7 +187,8 @@ void applyModels(const Arguments& a, const mechanism::Robot& robot, const std::v
     return tracing::predictTraced(robot, r.result, o, -1, count);
   };
   // Rows of the baseline as identify predicts them: instant by instant, as fast as its own error allows.
-  const dynamics::Model baseline = r.options.start ? r.options.start->model : baselineModel(robot, r);
+  const dynamics::Model baseline =
+      r.options.start ? r.options.start->model : tracing::baselineModel(robot, r.result, r.train, r.options);
   const auto baseline_rows = [&](identification::Observation& o, int) {
     return tracing::predictModel(robot, baseline, a.model, o);
   };

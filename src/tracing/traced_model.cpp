@@ -75,4 +75,17 @@ dynamics::Model tracedModel(const mechanism::Robot& robot, const TraceResult& re
   return m;
 }
 
+dynamics::Model baselineModel(const mechanism::Robot& robot, const TraceResult& result,
+                              const std::vector<identification::Observation>& training, const TraceOptions& options) {
+  TraceResult plain = result;
+  plain.base = result.baseline;
+  plain.parameters = result.baseline.parameters;
+  plain.effects.clear();
+  plain.elsewhere.reset();
+  plain.feedforward.reset();
+  dynamics::Model model = tracedModel(robot, plain, training, options);
+  model.effects_see.clear();  // of identify: predicted instant by instant
+  return model;
+}
+
 }  // namespace knee_robot::tracing

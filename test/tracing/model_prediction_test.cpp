@@ -189,6 +189,23 @@ TEST(ModelPrediction, UsesTheNumbersForOtherRecordingsThere) {
   expectSame(f, result);
 }
 
+TEST(ModelPrediction, OfTheBaselineKnowsNothingOfWhatWasFoundOrOfAController) {
+  const Fitted& f = fittedRobot();
+  TraceResult result = f.result;
+  result.candidates = std::make_shared<CandidateList>(namedCandidates(f.robot));
+  result.baseline = result.base;
+  result.baseline.parameters = result.parameters;
+  const std::string plain = dynamics::modelToYaml(baselineModel(f.robot, result, f.training, f.options));
+  for (const auto& candidate : *result.candidates) {
+    if (candidate->name() == "stribeck") result.effects.push_back(someEffect(f, *candidate, 2));
+  }
+  TraceResult other = result;
+  other.parameters *= 1.1;
+  result.elsewhere = result.feedforward = std::make_shared<const TraceResult>(other);
+  ASSERT_TRUE(tracedModel(f.robot, result, f.training, f.options).feedforward);
+  EXPECT_EQ(dynamics::modelToYaml(baselineModel(f.robot, result, f.training, f.options)), plain);
+}
+
 TEST(ModelPrediction, OfIdentifysModelIsTheInstantByInstantOne) {
   const Fitted& f = fittedRobot();
   const dynamics::Model m = identification::syntheticModel(f.robot);

@@ -15,6 +15,10 @@ TraceResult trace(const mechanism::Robot& robot, const std::vector<recording::Re
 dynamics::Model tracedModel(const mechanism::Robot& robot, const TraceResult& result,
                             const std::vector<identification::Observation>& training, const TraceOptions& options);
 
+/// Its baseline as a model file of identify would have it.
+dynamics::Model baselineModel(const mechanism::Robot& robot, const TraceResult& result,
+                              const std::vector<identification::Observation>& training, const TraceOptions& options);
+
 /// Force (N, samples x actuators) that a traced model predicts along a recording, from motion and time alone.
 /// `recording`: index among the training recordings, -1 for others; there effects that do not transfer are left out.
 Eigen::MatrixXd predictTraced(const mechanism::Robot& robot, const TraceResult& result,
