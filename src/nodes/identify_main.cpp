@@ -7,6 +7,7 @@
 
 #include "fit_recordings.h"
 #include "knee_robot/base/errors.h"
+#include "knee_robot/identification/beyond_training.h"
 #include "knee_robot/identification/drive_gains.h"
 #include "knee_robot/identification/gain_verdicts.h"
 #include "knee_robot/identification/plausible_fit.h"
@@ -210,6 +211,10 @@ int run(const Arguments& a, const std::string& command_line) {
     const std::vector<std::string> doubts =
         identification::doubtsAboutValidation(robot, r.validate, r.validate_after.predictions, r.train_after.accuracy);
     r.doubts.insert(r.doubts.end(), doubts.begin(), doubts.end());
+    const std::vector<std::string> beyond = identification::beyondTraining(robot, r.train, r.validate);
+    for (std::size_t k = 0; k < beyond.size(); ++k) {
+      if (!beyond[k].empty()) r.validate[k].notes.push_back(beyond[k]);
+    }
   }
   if (r.physical) {
     r.train_physical = apply(r.physical->model, robot, r, r.train, training);

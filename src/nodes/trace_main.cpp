@@ -6,6 +6,7 @@
 #include "fit_recordings.h"
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/numbers.h"
+#include "knee_robot/identification/beyond_training.h"
 #include "knee_robot/identification/drive_gains.h"
 #include "knee_robot/identification/full_band.h"
 #include "knee_robot/identification/gain_verdicts.h"
@@ -271,6 +272,10 @@ int run(const Arguments& a, const std::string& command_line) {
     const std::vector<std::string> doubts = identification::doubtsAboutValidation(
         robot, r.validate, r.validate_before.predictions, r.train_before.accuracy);
     r.result.doubts.insert(r.result.doubts.end(), doubts.begin(), doubts.end());
+    const std::vector<std::string> beyond = identification::beyondTraining(robot, r.train, r.validate);
+    for (std::size_t k = 0; k < beyond.size(); ++k) {
+      if (!beyond[k].empty()) r.result.notes.push_back(r.validate[k].path + ": " + beyond[k]);
+    }
   }
   r.next = tracing::planNextExperiment(robot, r.result, r.train, r.options);
   noteSeenRecordings(r);

@@ -101,6 +101,14 @@ std::string listed(const std::vector<Eigen::Index>& axes, const Eigen::VectorXd&
   return joined(axes, [&](Eigen::Index i) { return shortNumber(values[i], 3); }) + " N";
 }
 
+/// Something acts there and not in training; or what was added is wrong there, where the model before was better.
+std::string whyUnmet(const TraceResults& r, Eigen::Index i) {
+  const double before = r.validate_before.accuracy.rms_moving_N[i];
+  if (r.result.effects.empty() || !(kUnmet * before < r.validate_after.accuracy.rms_moving_N[i]))
+    return ": what acts there hardly acts in training";
+  return " (before " + shortNumber(before, 3) + " N): what was added is wrong there";
+}
+
 /// What acts in the held-out recordings and hardly in those of training cannot be found: which to train on as well.
 std::string unmetText(const TraceResults& r) {
   if (r.validate.empty()) return "";
@@ -112,8 +120,8 @@ std::string unmetText(const TraceResults& r) {
   for (const Eigen::Index i : unmet(r, &identification::Accuracy::rms_moving_N, moving))
     out += " On the held-out recordings actuator " + std::to_string(i + 1) + " leaves " +
            shortNumber(there.rms_moving_N[i], 3) + " N while it moves, on those of training " +
-           shortNumber(moving[i], 3) +
-           " N: what acts there hardly acts in training; trace with such a movement among the training recordings.";
+           shortNumber(moving[i], 3) + " N" + whyUnmet(r, i) +
+           "; trace with such a movement among the training recordings.";
   const std::vector<Eigen::Index> rest = unmet(r, &identification::Accuracy::rms_resting_N, resting);
   if (rest.empty()) return out;
   return out + " At rest " + (rest.size() > 1 ? "actuators " : "actuator ") +

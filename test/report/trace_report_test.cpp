@@ -57,10 +57,14 @@ TEST(TraceReport, SaysWhatActsInTheHeldOutRecordingsAndHardlyInTraining) {
   TraceResults r = traced();
   EXPECT_EQ(traceVerdict(r).find("hardly acts in training"), std::string::npos) << traceVerdict(r);
   const double trained = std::max(r.train_before.accuracy.rms_moving_N[0], r.result.floor_N[0]);
-  r.validate_after.accuracy.rms_moving_N[0] = 5.0 * trained;
+  r.validate_after.accuracy.rms_moving_N[0] = r.validate_before.accuracy.rms_moving_N[0] = 5.0 * trained;
   const std::string verdict = traceVerdict(r);
   EXPECT_NE(verdict.find("On the held-out recordings actuator 1 leaves"), std::string::npos) << verdict;
   EXPECT_EQ(verdict.find("actuator 2 leaves"), std::string::npos) << verdict;
+  EXPECT_NE(verdict.find("hardly acts in training"), std::string::npos) << verdict;
+  r.validate_before.accuracy.rms_moving_N[0] = trained;
+  EXPECT_NE(traceVerdict(r).find(" N): what was added is wrong there; trace with"), std::string::npos)
+      << traceVerdict(r);
   r.validate.clear();
   EXPECT_EQ(traceVerdict(r).find("hardly acts in training"), std::string::npos) << "nothing was held out";
 }
