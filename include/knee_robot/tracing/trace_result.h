@@ -54,7 +54,7 @@ struct FoundEffect {
 };
 
 /// Share of names that were right on machines of the ten newest simulators by others when it was chosen, each as it
-/// came: 82 of 98; 105 of 121 with the next two (docs/results/blind_simulators.md).
+/// came: 82 of 98; 122 of 141 with the next four (docs/results/blind_simulators.md).
 inline constexpr double kNamesRight = 0.84;
 inline double probabilityOfName(const FoundEffect& e) {
   return kNamesRight * e.probability;
