@@ -48,7 +48,7 @@ class Tracing {
 
   TraceResult run(std::vector<identification::Observation> training) {
     fitBaseline(std::move(training));
-    planSurrogates();
+    planSurrogates(true);
     gatherCandidates();
     startFromGivenModel();
     describeBaseline();
@@ -66,7 +66,7 @@ class Tracing {
   std::vector<FoundEffect> runFast(std::vector<identification::Observation> training,
                                    const std::vector<FoundEffect>& found, const CandidateList& candidates) {
     fitBaseline(std::move(training));
-    planSurrogates();
+    planSurrogates(found.empty());
     library_.add(candidates, data_, true);
     updateNearRest(s_);
     s_.effects = found;
@@ -87,7 +87,7 @@ class Tracing {
 
  private:
   void fitBaseline(std::vector<identification::Observation> training);
-  void planSurrogates();
+  void planSurrogates(bool simulate_baseline);
   void gatherCandidates();
   void startFromGivenModel();
   void describeBaseline();
@@ -150,11 +150,12 @@ void Tracing::fitBaseline(std::vector<identification::Observation> training) {
   s_.rebuild_surrogates = [this] { rebuildSurrogates(); };
 }
 
-void Tracing::planSurrogates() {
+void Tracing::planSurrogates(bool simulate_baseline) {
   for (std::size_t r = 0; r < recordings_.size(); ++r) {
     plans_.push_back(planSurrogate(robot_, recordings_[r], data_.recordings[r], result_.base));
     result_.notes.push_back(plans_.back().note + ".");
   }
+  if (!simulate_baseline) return;  // they will be simulated with effects
   options_.progress("simulating " + std::to_string(options_.surrogates) + " surrogates of the recordings");
   const SurrogateModel clean = {result_.base.parameters, {}, {}};
   s_.surrogates = makeSurrogates(robot_, recordings_, data_, result_.base, clean, plans_, options_.observation,
