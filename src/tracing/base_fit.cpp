@@ -104,6 +104,18 @@ BaseFit fitBase(const mechanism::Robot& robot, std::vector<identification::Obser
   return base;
 }
 
+BaseFit laidUnder(BaseFit known, std::vector<identification::Observation>& training) {
+  known.beside = {};
+  for (identification::Observation& o : training)
+    identification::setFriction(o, known.columns, known.friction_laws);
+  return known;
+}
+
+BaseFit inNewtons(BaseFit base) {
+  base.noise_N.setOnes();
+  return base;
+}
+
 Eigen::MatrixXd baseRows(const BaseFit& base, const std::vector<identification::Observation>& recordings,
                          const Stack& stack) {
   Eigen::MatrixXd rows(stack.size() * stack.axes, base.coordinates());

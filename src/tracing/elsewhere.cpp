@@ -77,8 +77,7 @@ Eigen::VectorXd heldBackElsewhere(Search& s, const std::vector<Hypothesis>& effe
 Eigen::VectorXd baselineElsewhere(Search& s, const BaseFit& baseline, const std::vector<Hypothesis>& local,
                                   const Eigen::VectorXd& noise_N) {
   TraceData& data = *s.data;
-  BaseFit newtons = baseline;
-  newtons.noise_N.setOnes();
+  BaseFit newtons = inNewtons(baseline);
   for (identification::Observation& o : data.recordings)
     identification::setFriction(o, baseline.columns, baseline.friction_laws);
   const Eigen::MatrixXd rows = data.all_base_rows;

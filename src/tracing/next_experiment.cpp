@@ -51,8 +51,7 @@ TraceData rowsAlong(const mechanism::Robot& robot, const TraceResult& result,
   for (identification::Observation& o : data.recordings)
     setFriction(o, result.base.columns, result.base.friction_laws);
   data.stack = makeStack(data.recordings, options);
-  BaseFit newtons = result.base;
-  newtons.noise_N.setOnes();
+  const BaseFit newtons = inNewtons(result.base);
   data.all_base_rows = baseRows(newtons, data.recordings, data.stack);
   data.all_force_rows = Eigen::VectorXd::Zero(data.all_base_rows.rows());
   setAttention(data, Attention::All);

@@ -34,8 +34,7 @@ Surrogate makeSurrogate(const mechanism::Robot& robot, const std::vector<recordi
       surrogate.recordings.back() = data.recordings[r];
     identification::setFriction(surrogate.recordings.back(), base.columns, base.friction_laws);
   }
-  BaseFit newtons = base;
-  newtons.noise_N.setOnes();
+  const BaseFit newtons = inNewtons(base);
   Surrogate s;
   s.pull = base.pull;
   s.force_rows = forceRows(newtons, surrogate.recordings, surrogate.stack);

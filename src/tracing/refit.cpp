@@ -152,8 +152,7 @@ bool adoptBase(Search& s, BaseFit base) {
   *s.base = std::move(base);
   for (identification::Observation& o : data.recordings)
     identification::setFriction(o, s.base->columns, s.base->friction_laws);
-  BaseFit newtons = *s.base;
-  newtons.noise_N.setOnes();
+  const BaseFit newtons = inNewtons(*s.base);
   data.all_base_rows = baseRows(newtons, data.recordings, data.stack);
   setAttention(data, s.attention);
   bool changed = false;

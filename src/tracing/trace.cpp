@@ -47,7 +47,7 @@ class Tracing {
       : robot_(robot), recordings_(recordings), options_(options) {}
 
   TraceResult run(std::vector<identification::Observation> training) {
-    fitBaseline(std::move(training));
+    fitBaseline(std::move(training), nullptr);
     planSurrogates(true);
     gatherCandidates();
     startFromGivenModel();
@@ -61,13 +61,13 @@ class Tracing {
     return std::move(result_);
   }
 
-  /// The second band: what shows in fast motion only, beside `found`. Returns what leads, which was looked at anew, and
-  /// what was added.
-  std::vector<FoundEffect> runFast(std::vector<identification::Observation> training,
-                                   const std::vector<FoundEffect>& found, const CandidateList& candidates) {
-    fitBaseline(std::move(training));
+  /// The second band: what shows in fast motion only, beside what `slow` has found. Returns what leads, which was looked
+  /// at anew, and what was added.
+  std::vector<FoundEffect> runFast(std::vector<identification::Observation> training, const Tracing& slow) {
+    const std::vector<FoundEffect>& found = slow.s_.effects;
+    fitBaseline(std::move(training), found.empty() ? nullptr : &slow.result_.base);
     planSurrogates(found.empty());
-    library_.add(candidates, data_, true);
+    library_.add(*slow.result_.candidates, data_, true);
     updateNearRest(s_);
     s_.effects = found;
     if (!found.empty()) {
@@ -86,7 +86,7 @@ class Tracing {
   }
 
  private:
-  void fitBaseline(std::vector<identification::Observation> training);
+  void fitBaseline(std::vector<identification::Observation> training, const BaseFit* known);
   void planSurrogates(bool simulate_baseline);
   void gatherCandidates();
   void startFromGivenModel();
@@ -117,7 +117,8 @@ class Tracing {
   TraceResult result_;
 };
 
-void Tracing::fitBaseline(std::vector<identification::Observation> training) {
+/// `known`: to begin with where effects are found already, and it will be fitted anew beside them.
+void Tracing::fitBaseline(std::vector<identification::Observation> training, const BaseFit* known) {
   options_.progress("fitting the baseline");
   data_.recordings = std::move(training);
   for (const identification::Observation& o : data_.recordings)
@@ -126,12 +127,15 @@ void Tracing::fitBaseline(std::vector<identification::Observation> training) {
   Eigen::VectorXd given;
   if (options_.start) given = startParameters(*options_.start, identification::columnsOf(robot_));
   BaseFit& base = result_.base;
-  base = fitBase(robot_, data_.recordings, data_.stack, identification::columnsOf(robot_), options_.rank,
-                 options_.start ? &given : nullptr);
-  result_.doubts =
-      identification::doubtsAboutFit(robot_, base.columns, base.parameters, data_.recordings, options_.observation);
-  BaseFit newtons = base;
-  newtons.noise_N.setOnes();
+  if (known == nullptr) {
+    base = fitBase(robot_, data_.recordings, data_.stack, identification::columnsOf(robot_), options_.rank,
+                   options_.start ? &given : nullptr);
+    result_.doubts =
+        identification::doubtsAboutFit(robot_, base.columns, base.parameters, data_.recordings, options_.observation);
+  } else {
+    base = laidUnder(*known, data_.recordings);
+  }
+  const BaseFit newtons = inNewtons(base);
   data_.all_base_rows = baseRows(newtons, data_.recordings, data_.stack);
   data_.all_force_rows = forceRows(newtons, data_.recordings, data_.stack);
   setAttention(data_, Attention::All);
@@ -295,8 +299,7 @@ void Tracing::searchFastBand() {
   options.surrogates = kFastSurrogates;
   Tracing fast(robot_, recordings_, options);
   const std::vector<FoundEffect> seen =
-      fast.runFast(identification::observeAll(robot_, s_.base->columns, recordings_, options.observation), s_.effects,
-                   *result_.candidates);
+      fast.runFast(identification::observeAll(robot_, s_.base->columns, recordings_, options.observation), *this);
   const auto known = std::find_if(s_.effects.begin(), s_.effects.end(), leads);
   const Candidate* const settled = known == s_.effects.end() ? nullptr : known->hypothesis.place.candidate;
   for (FoundEffect e : seen) {

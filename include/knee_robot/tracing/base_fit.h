@@ -45,6 +45,11 @@ BaseFit fitBase(const mechanism::Robot& robot, std::vector<identification::Obser
                 const std::vector<identification::Column>& columns, int rank, const Eigen::VectorXd* given = nullptr,
                 EffectsBeside beside = {});
 
+/// A fit of other rows of the same robot, to begin with: sets the Coulomb columns of `training`.
+BaseFit laidUnder(BaseFit known, std::vector<identification::Observation>& training);
+/// With a noise of 1 N, for rows that are not weighted.
+BaseFit inNewtons(BaseFit base);
+
 /// Weighted regressor in base coordinates (rows: actuator after actuator, picks within), and weighted force less that
 /// of `start`.
 Eigen::MatrixXd baseRows(const BaseFit& base, const std::vector<identification::Observation>& recordings,
