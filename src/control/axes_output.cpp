@@ -70,6 +70,7 @@ void AxesOutput::updateHook(const rt::Cycle& cycle) {
   runSafeStop(cycle, measured);
   writeVolts(chooseVolts(), cycle.time);
   writeOutputs(cycle.time);
+  followShifts();
   estimateLoad(rt::toSeconds(cycle.period));
   offerLoad();
   out_.safe_stop = safe_stop_.phase();
@@ -166,6 +167,7 @@ void AxesOutput::followOrders(const rt::Cycle& cycle) {
     const mechanism::Actuator& actuator = robot_.actuators[i];
     weight_volts_[i] = actuator.force_sign * commands_[i].feedforward_N / actuator.force_per_volt_N;
     beside_volts_[i] = load_volts_[i] - weight_volts_[i];
+    shifted_N_[i] = commands_[i].shifted_N;
   }
 }
 
@@ -306,6 +308,20 @@ void AxesOutput::writeOutputs(rt::Nanoseconds now) {
   if (status == hardware::IoStatus::Ok) return;
   out_.status = status;
   beginSafeStop(faultOfRefusal(status), 0, now);
+}
+
+/// Where a share or the payload changes the model foresees weight that nobody foresaw before, or leaves it to the loop:
+/// both parts change at once, and their sum stays. Else a declared payload would be carried twice, for seconds.
+void AxesOutput::followShifts() noexcept {
+  for (std::size_t i = 0; i < hardware::kAxes; ++i) {
+    const mechanism::Actuator& actuator = robot_.actuators[i];
+    const double step_N = commands_[i].shifted_N - shifted_N_[i];
+    if (!closed_[i] || !std::isfinite(step_N)) continue;
+    const double step = actuator.force_sign * step_N / actuator.force_per_volt_N;
+    weight_volts_[i] += step;
+    beside_volts_[i] -= step;
+    shifted_N_[i] = commands_[i].shifted_N;
+  }
 }
 
 /// What carries the platform at this place, for an axis whose loop fails; also while a safe stop settles or carries.

@@ -76,6 +76,7 @@ class AxesOutput : public rt::TaskContext {
   double clamped(double volts, std::size_t axis) const noexcept;
   void writeVolts(const AxisValues& volts, rt::Nanoseconds now);
   void writeOutputs(rt::Nanoseconds now);
+  void followShifts() noexcept;
   void estimateLoad(double dt) noexcept;
   void offerLoad() noexcept;
   void testBrakes(AxisValues& volts) const noexcept;
@@ -102,6 +103,7 @@ class AxesOutput : public rt::TaskContext {
   AxisValues rest_volts_{};    // what carries them at rest
   AxisValues weight_volts_{};  // the part of it that the model foresees
   AxisValues beside_volts_{};  // and the one that nobody foresaw
+  AxisValues shifted_N_{};     // of the commands
   AxisValues mean_m_{};        // positions; where the encoder is the fault their mean over some 20 ms
   AxisValues transfer_m_{};    // where the axes stood when the transfer began
   AxisValues braked_m_{};      // where they were when the brakes should have held

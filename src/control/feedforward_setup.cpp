@@ -6,6 +6,7 @@
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/mechanism/kinematics.h"
+#include "model_limits.h"
 
 namespace knee_robot::control {
 namespace {
@@ -13,6 +14,9 @@ namespace {
 /// Beside the URDF's weight: twice it is a wrong model, the rest what offsets of drives and an orthosis may be. Nothing
 /// takes weight away: a model with less than kLeastShare of it was identified with wrong newtons per volt.
 constexpr double kStrangeShare = 1.0, kStrange_N = 60.0, kLeastShare = 0.4;
+
+/// Of a drive's force, to move gently with somebody on the platform.
+constexpr double kMostWithPatient = 0.5;
 
 bool isStrange(double said_N, double known_N) {
   const double beside = std::abs(said_N - known_N);
@@ -67,6 +71,7 @@ FeedforwardSetup::FeedforwardSetup(const rt::Deployment& deployment, const Machi
   if (payload_kg) setPayload(*payload_kg);
   checkLaw();
   feedforward->loadModel();
+  checkForces(robot);
   readDelays(robot);
   checkDelays();
   compareWeights(robot);
@@ -107,7 +112,7 @@ void FeedforwardSetup::readDelays(const mechanism::Robot& robot) {
   if (path.empty() || !robot.mechanism) return;
   const dynamics::Model read = dynamics::loadModel(path);
   const dynamics::PartedModel model(read, robot);
-  for (const dynamics::ModelEffect& effect : read.effects) {
+  for (const dynamics::ModelEffect& effect : dynamics::effectsOfController(read)) {
     if (effect.name != "delay" || effect.actuators.size() != 1 || effect.coefficients.empty()) continue;
     const Eigen::Index axis = effect.actuators.front() - 1;
     const std::optional<double> mass = massOf(model, robot, axis);
@@ -116,11 +121,24 @@ void FeedforwardSetup::readDelays(const mechanism::Robot& robot) {
   }
 }
 
+void FeedforwardSetup::checkForces(const mechanism::Robot& robot) {
+  const std::string& path = machine_.feedforward->model.value();
+  if (path.empty()) return;
+  const dynamics::PartedModel model(dynamics::loadModel(path), robot);
+  const std::string impossible = whatIsTooMuch(model, robot, 1.0);
+  if (!impossible.empty())
+    throw InputError(path + ": " + impossible + ": the platform would be thrown; identify the model anew");
+  const std::string much = whatIsTooMuch(model, robot, kMostWithPatient);
+  if (!much.empty())
+    strange_weights_ = path + " " + much + ", more than half of it: check the model before somebody lies down";
+}
+
 /// The brakes open with the model's weight on the drives: what it is wrong by throws the platform up or lets it fall.
 void FeedforwardSetup::compareWeights(const mechanism::Robot& robot) {
   const std::string& path = machine_.feedforward->model.value();
   if (path.empty() || !robot.mechanism || robot.urdf.empty()) return;
-  const auto said = weightsAtHome(dynamics::PartedModel(dynamics::loadModel(path), robot), robot);
+  const dynamics::PartedModel model(dynamics::loadModel(path), robot);
+  const auto said = weightsAtHome(model, robot);
   const auto known = weightsAtHome(dynamics::PartedModel(robot, dynamics::loadRobotInertia(robot)), robot);
   for (Eigen::Index i = 0; said && known && i < said->size() && strange_weights_.empty(); ++i) {
     if (!isStrange((*said)[i], (*known)[i])) continue;

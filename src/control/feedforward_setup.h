@@ -10,7 +10,8 @@
 namespace knee_robot::control {
 
 /// Gives the components that calculate with a model theirs, and refuses what the model says would not be stable: gains
-/// with which the passivity-based law is not passive, drives that act too late for their loop.
+/// with which the passivity-based law is not passive, drives that act too late for their loop, forces that no drive
+/// gives.
 class FeedforwardSetup {
  public:
   /// Reads the models. `model` (a file; empty: the deployment's) and `payload_kg` stand in place of the deployment's.
@@ -27,7 +28,8 @@ class FeedforwardSetup {
   std::string whyUnstable(const Driver& driver, const std::string& changed = "", double value = 0.0) const;
   /// Where the forces come from, for the operator.
   std::string source() const;
-  /// Where the identified model carries another weight than the URDF's at home, by far: a sentence, or empty.
+  /// Where the identified model carries another weight than the URDF's at home, by far, or asks for more than half of
+  /// what a drive gives in a gentle motion: a sentence, or empty.
   const std::string& strangeWeights() const { return strange_weights_; }
   /// An identified model tells what nobody commanded.
   bool monitorsForces() const;
@@ -42,6 +44,7 @@ class FeedforwardSetup {
   void checkLaw() const;
   void readDelays(const mechanism::Robot& robot);
   void checkDelays() const;
+  void checkForces(const mechanism::Robot& robot);
   void compareWeights(const mechanism::Robot& robot);
 
   const rt::Deployment& deployment_;

@@ -153,8 +153,10 @@ void ModelFeedforward::closeLoop(double dt) noexcept {
 /// Nothing is known: 0 N, and what was there counts as switched off.
 void ModelFeedforward::drop() noexcept {
   openLoop();
-  for (std::size_t i = 0; i < hardware::kAxes; ++i)
+  for (std::size_t i = 0; i < hardware::kAxes; ++i) {
     out_.switched_N[i] -= out_.force_N[i];
+    out_.switched_weight_N[i] -= out_.force_N[i] - out_.moving_N[i];
+  }
   out_.force_N = out_.moving_N = AxisValues{};
   level_ = 0.0;
   taking_over_ = false;
@@ -171,7 +173,8 @@ void ModelFeedforward::carry(double dt) noexcept {
   homing_ = homing_ || order_.homing != 0 || !order_.homed;
   if (homing_ || !findParts()) return drop();
   closeLoop(dt);
-  const AxisValues kept = total(weights_, taking_over_ ? 1.0 : level_);
+  const double kept_level = taking_over_ ? 1.0 : level_;
+  const AxisValues kept = total(weights_, kept_level), carried = total(atRest(weights_), kept_level);
   const double step = rampStep(dt, switch_time);
   const Weights wanted = asked();
   weights_.gravity = approached(weights_.gravity, wanted.gravity, step);
@@ -180,13 +183,14 @@ void ModelFeedforward::carry(double dt) noexcept {
   weights_.payload_kg = approached(weights_.payload_kg, wanted.payload_kg, step * kLargestPayload_kg);
   level_ = std::min(1.0, level_ + (taking_over_ ? rampStep(dt, take_over_time) : step));
   out_.force_N = total(weights_, level_);
-  const Weights at_rest{weights_.gravity, 0.0, 0.0, weights_.payload_kg};
-  const AxisValues still = total(at_rest, level_);
+  const AxisValues still = total(atRest(weights_), level_);
   for (std::size_t i = 0; i < hardware::kAxes; ++i)
     out_.moving_N[i] = out_.force_N[i] - still[i];
   // While the holding brakes carry, the integrals are empty and nothing has to be made up for.
-  for (std::size_t i = 0; i < hardware::kAxes && !taking_over_; ++i)
+  for (std::size_t i = 0; i < hardware::kAxes && !taking_over_; ++i) {
     out_.switched_N[i] += out_.force_N[i] - kept[i];
+    out_.switched_weight_N[i] += still[i] - carried[i];
+  }
   if (level_ >= 1.0) taking_over_ = false;
   out_.complete = !taking_over_;
 }

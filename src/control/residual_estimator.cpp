@@ -27,7 +27,10 @@ ForceKnowledge::ForceKnowledge(const mechanism::Robot& robot, const std::optiona
       band_N(kUnknownBand * forceLimits(robot)) {}
 
 ForceKnowledge::ForceKnowledge(const dynamics::Model& model, const mechanism::Robot& robot)
-    : parts(model, robot), identified(true), traced(!model.effects.empty()), band_N(kUnknownBand * forceLimits(robot)) {
+    : parts(model, robot),
+      identified(true),
+      traced(!dynamics::effectsOfController(model).empty()),
+      band_N(kUnknownBand * forceLimits(robot)) {
   coulomb_N = parts.mechanism
                   ? mechanism::Vector4(parts.parameters.segment<mechanism::kLegs>(dynamics::extended::kCoulomb))
                   : mechanism::Vector4(parts.axis_parameters.row(1).transpose());

@@ -110,7 +110,7 @@ EffectsSee seenBy(const Model& model, const std::vector<double>& values, bool be
 ActingEffects::ActingEffects(const Model& model, const mechanism::Robot& robot) {
   Reader reader(robot, *this);
   const ModelElsewhere* const numbers = numbersOfController(model);
-  for (const ModelEffect& e : numbers ? numbers->effects : model.effects)
+  for (const ModelEffect& e : effectsOfController(model))
     reader.add(e);
   if (model.feedforward) {  // fitted without what a controller cannot give
     for (const ModelEffect& e : model.elsewhere ? model.elsewhere->effects : model.effects)

@@ -31,6 +31,11 @@ const ModelElsewhere* numbersOfController(const Model& model) {
   return model.elsewhere ? &*model.elsewhere : nullptr;
 }
 
+const std::vector<ModelEffect>& effectsOfController(const Model& model) {
+  const ModelElsewhere* const numbers = numbersOfController(model);
+  return numbers ? numbers->effects : model.effects;
+}
+
 std::vector<std::string> axisParameterNames(int axes) {
   std::vector<std::string> names;
   for (int i = 1; i <= axes; ++i) {

@@ -297,9 +297,15 @@ TEST(ControlLaws, NeedAModel) {
 
 TEST(TracedDelay, IsRefusedWhereItsLoopWouldBeUnstable) {
   ForwardedRig rig(Feedforward::Model);
-  const auto refusal = [&](double delay_s) {
+  const auto refusal = [&](double delay_s, bool of_controller) {
     const std::string path = ::testing::TempDir() + "delayed_" + std::to_string(::getpid()) + ".yaml";
-    dynamics::saveModel(fake::tracedModelOf(rig.robot, {fake::delayOf(2, delay_s)}), path);
+    dynamics::Model model = fake::tracedModelOf(rig.robot, {fake::delayOf(2, delay_s)});
+    if (of_controller) {
+      model.feedforward =
+          dynamics::ModelFeedforward{{model.effects_see, model.effects_see, model.effects}, model.friction};
+      model.effects.clear();
+    }
+    dynamics::saveModel(model, path);
     ControlSystem::Options options;
     options.execution = rt::Execution::Stepped;
     options.model = path;
@@ -310,11 +316,13 @@ TEST(TracedDelay, IsRefusedWhereItsLoopWouldBeUnstable) {
     std::remove(path.c_str());
     return said;
   };
-  EXPECT_EQ(refusal(0.002), "");
-  const std::string said = refusal(0.025);
-  EXPECT_NE(said.find("axis 2 acts 25 ms late"), std::string::npos) << said;
-  EXPECT_NE(said.find("Driver2 is unstable from"), std::string::npos) << said;
-  std::printf("%s\n", said.c_str());
+  for (const bool of_controller : {false, true}) {
+    EXPECT_EQ(refusal(0.002, of_controller), "");
+    const std::string said = refusal(0.025, of_controller);
+    EXPECT_NE(said.find("axis 2 acts 25 ms late"), std::string::npos) << said;
+    EXPECT_NE(said.find("Driver2 is unstable from"), std::string::npos) << said;
+    std::printf("%s\n", said.c_str());
+  }
 }
 
 TEST(ControlLaws, RefuseGainsAtRunTimeWithWhichTheyWouldNotBePassive) {

@@ -89,6 +89,64 @@ TEST(LostCounterCard, InMotionLeavesThePlatformAboutWhereItIs) {
   EXPECT_LT(deepest, 0.01) << "once 1620 mm";
 }
 
+/// How far the platform gets from where it is, m, within 3 s without the counter card.
+double leavesWithoutCard(HoldingRobot& robot) {
+  const double height = robot.plant.state().pose[1];
+  robot.image.counter.disconnected.store(simulation::kCardGone);
+  double farthest = 0.0;
+  for (int k = 0; k < 60; ++k) {
+    robot.system->run(0.05);
+    farthest = std::max(farthest, std::abs(robot.plant.state().pose[1] - height));
+  }
+  return farthest;
+}
+
+/// What the loop carried before the model did must not be carried by both.
+TEST(LostCounterCard, JustAfterAPayloadOrAShareHasChangedLeavesThePlatformWhereItIs) {
+  struct Change {
+    double payload_kg;
+    const char *property, *value;
+  };
+  for (const Change& change : {Change{15.0, "payload_kg", "15"},
+                               {0.0, "payload_kg", "10"},
+                               {15.0, "share_gravity", "0"},
+                               {0.0, "share_gravity", "0.5"}}) {
+    for (const double before_s : {0.02, 0.1, 0.3, 0.6, 2.0}) {
+      holding::Truth truth;
+      truth.payload_kg = change.payload_kg;
+      HoldingRobot robot(truth);
+      robot.system->run(5.0);
+      ASSERT_TRUE(robot.system->setProperty("Feedforward", change.property, change.value).ok);
+      robot.system->run(before_s);
+      EXPECT_LT(leavesWithoutCard(robot), 0.002)
+          << change.payload_kg << " kg, " << change.property << " " << change.value << " " << before_s << " s before";
+    }
+  }
+}
+
+TEST(LostCounterCard, InMotionJustAfterAPayloadOrAShareHasChangedIsAsWithoutTheChange) {
+  const auto leaves = [](double payload_kg, const char* property, const char* value, double before_s) {
+    holding::Truth truth;
+    truth.payload_kg = payload_kg;
+    HoldingRobot robot(truth);
+    robot.system->run(2.0);
+    robot.play(200);
+    robot.system->run(1.5);
+    if (*property != '\0') {
+      EXPECT_TRUE(robot.system->setProperty("Feedforward", property, value).ok);
+    }
+    robot.system->run(before_s);
+    return leavesWithoutCard(robot);
+  };
+  for (const double before_s : {0.05, 0.4, 1.0}) {
+    const double empty = leaves(0.0, "", "", before_s), loaded = leaves(15.0, "", "", before_s);
+    std::printf("without a change %.1f and %.1f mm\n", 1e3 * empty, 1e3 * loaded);
+    EXPECT_LT(leaves(15.0, "payload_kg", "15", before_s), loaded + 0.005) << before_s;
+    EXPECT_LT(leaves(0.0, "payload_kg", "10", before_s), empty + 0.005) << before_s;
+    EXPECT_LT(leaves(0.0, "share_gravity", "0.5", before_s), empty + 0.005) << before_s;
+  }
+}
+
 /// "Release the emergency stop" helps nobody while brakes are open, or drives on, that nothing can be told any more.
 TEST(LostCounterCard, IsSaidToBeLostWhateverBeganTheSafeStopInWhichItGoes) {
   for (const simulation::CardLoss loss : {simulation::kCardGone, simulation::kCardSilent}) {

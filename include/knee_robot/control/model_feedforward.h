@@ -118,6 +118,7 @@ class ModelFeedforward : public rt::TaskContext {
     double gravity = 0.0, inertia = 0.0, friction = 0.0, payload_kg = 0.0;
   };
   Weights asked() const noexcept;
+  static Weights atRest(const Weights& w) noexcept { return {w.gravity, 0.0, 0.0, w.payload_kg}; }
   void readPorts() noexcept;
   void followReference(std::size_t axis) noexcept;
   void carry(double dt) noexcept;

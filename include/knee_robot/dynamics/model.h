@@ -117,6 +117,7 @@ struct Model {
 /// The numbers that count instant by instant, in a controller: those of its own, or those elsewhere. Null: the model has
 /// one set.
 const ModelElsewhere* numbersOfController(const Model& model);
+const std::vector<ModelEffect>& effectsOfController(const Model& model);
 
 /// Fv_1 Fc_1 rotor_1 offset_1 Fv_2 ...: the parameters of `axes` bench axes.
 std::vector<std::string> axisParameterNames(int axes);
