@@ -71,10 +71,10 @@ FeedforwardSetup::FeedforwardSetup(const rt::Deployment& deployment, const Machi
   if (payload_kg) setPayload(*payload_kg);
   checkLaw();
   feedforward->loadModel();
-  checkForces(robot);
   readDelays(robot);
   checkDelays();
   compareWeights(robot);
+  checkForces(robot);
   const std::string& path = feedforward->model.value();
   if (HandGuide* const guide = machine_.guide) {
     if (guide->model.value().empty()) guide->model.set(path);
@@ -129,7 +129,7 @@ void FeedforwardSetup::checkForces(const mechanism::Robot& robot) {
   if (!impossible.empty())
     throw InputError(path + ": " + impossible + ": the platform would be thrown; identify the model anew");
   const std::string much = whatIsTooMuch(model, robot, kMostWithPatient);
-  if (!much.empty())
+  if (!much.empty() && strange_weights_.empty())
     strange_weights_ = path + " " + much + ", more than half of it: check the model before somebody lies down";
 }
 

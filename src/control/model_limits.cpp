@@ -10,7 +10,7 @@ namespace knee_robot::control {
 namespace {
 
 constexpr double kAround_m = 0.02;
-constexpr double kGentle_m_per_s = 0.05, kGentle_m_per_s2 = 0.5;
+constexpr double kGentle_m_per_s = 0.05, kGentle_m_per_s2 = 0.1;
 constexpr double kStep_s = 0.01;
 constexpr int kSteps = 50;
 
