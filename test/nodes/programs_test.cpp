@@ -135,11 +135,17 @@ TEST_F(Programs, SimulateNamesAnImpossibleModelAsACauseOfTheFault) {
   recording(1);
   knee_robot::dynamics::Model model =
       knee_robot::fake::modelOf(knee_robot::mechanism::loadRobot(kConfig + "/robots/A.yaml"));
-  for (knee_robot::dynamics::ModelParameter& parameter : model.parameters) {
-    if (parameter.name == "m_M") parameter.value = -400.0;
-  }
-  knee_robot::dynamics::saveModel(model, in("negative.yaml"));
-  const Ended stopped = simulate(in("excitation_1.txt"), in("pushed.csv"), "--model " + in("negative.yaml"));
+  const auto withPlatformOf = [&](double mass_kg) {
+    for (knee_robot::dynamics::ModelParameter& parameter : model.parameters) {
+      if (parameter.name == "m_M") parameter.value = mass_kg;
+    }
+    knee_robot::dynamics::saveModel(model, in("negative.yaml"));
+    return simulate(in("excitation_1.txt"), in("pushed.csv"), "--model " + in("negative.yaml"));
+  };
+  const Ended refused = withPlatformOf(-400.0);
+  EXPECT_EQ(2, refused.status) << refused.output;
+  EXPECT_NE(std::string::npos, refused.output.find("negative.yaml: asks axis 1 for -")) << refused.output;
+  const Ended stopped = withPlatformOf(-60.0);
   EXPECT_NE(0, stopped.status) << stopped.output;
   EXPECT_NE(std::string::npos, stopped.output.find("or the feedforward pushes it: the model " + in("negative.yaml")))
       << stopped.output;
