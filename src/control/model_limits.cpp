@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kAround_m = 0.02;
 constexpr double kGentle_m_per_s = 0.05, kGentle_m_per_s2 = 0.1;
+constexpr double kPushes = 0.1;  ///< of what the drive gives: more friction along the motion drives it on
 constexpr double kStep_s = 0.01;
 constexpr int kSteps = 50;
 
@@ -43,6 +44,9 @@ std::string tooMuchAt(const dynamics::PartedModel& model, const mechanism::Robot
         if (!(std::abs(moves_N) <= share * limit_N))
           return sentence(i, moves_N, "to move at 50 mm/s near home", limit_N);
       }
+      if (direction * parts.friction[axis] < -kPushes * a.forceLimit())
+        return "gives axis " + std::to_string(axis + 1) + " friction that pushes it on, with " +
+               shortNumber(std::abs(parts.friction[axis]), 3) + " N at 50 mm/s";
     }
   }
   return "";

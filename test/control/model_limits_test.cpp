@@ -49,6 +49,12 @@ TEST(ModelLimits, TellsTheAxisWhoseDriveCannotGiveWhatIsAsked) {
   EXPECT_NE(withParameter(dynamics::extended::kRotor + 2, 1e5), "");
 }
 
+TEST(ModelLimits, FrictionDoesNotPush) {
+  const std::string said = withParameter(dynamics::extended::kCoulomb + 1, -75.0);
+  EXPECT_EQ(said.rfind("gives axis 2 friction that pushes it on, with ", 0), 0u) << said;
+  EXPECT_EQ(withParameter(dynamics::extended::kCoulomb + 1, 0.0), "");
+}
+
 TEST(ModelLimits, JudgesMoreStrictlyWhereSomebodyLiesOnIt) {
   EXPECT_EQ(withParameter(dynamics::extended::kCoulomb + 1, 180.0), "");
   EXPECT_NE(withParameter(dynamics::extended::kCoulomb + 1, 180.0, 0.5), "");
