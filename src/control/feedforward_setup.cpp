@@ -3,10 +3,12 @@
 #include <cmath>
 
 #include "delay_margin.h"
+#include "home_lengths.h"
 #include "knee_robot/base/errors.h"
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/mechanism/kinematics.h"
 #include "model_limits.h"
+#include "unchanged_file.h"
 
 namespace knee_robot::control {
 namespace {
@@ -26,9 +28,7 @@ bool isStrange(double said_N, double known_N) {
 
 /// On each axis at home, at rest; nothing where home has no pose.
 std::optional<mechanism::Vector4> weightsAtHome(const dynamics::PartedModel& model, const mechanism::Robot& robot) {
-  mechanism::Lengths home;
-  for (Eigen::Index i = 0; i < home.size(); ++i)
-    home[i] = robot.actuators[static_cast<std::size_t>(i)].home_length_m;
+  const mechanism::Lengths home = homeLengths(robot);
   const mechanism::ForwardResult found = mechanism::forwardKinematicsFromHome(*robot.mechanism, home);
   if (!found.ok()) return std::nullopt;
   dynamics::ForcePartsData data;
@@ -41,9 +41,7 @@ std::optional<mechanism::Vector4> weightsAtHome(const dynamics::PartedModel& mod
 
 /// What the axis moves at home while the others hold; nothing where home has no pose.
 std::optional<double> massOf(const dynamics::PartedModel& model, const mechanism::Robot& robot, Eigen::Index axis) {
-  mechanism::Lengths home;
-  for (Eigen::Index i = 0; i < home.size(); ++i)
-    home[i] = robot.actuators[static_cast<std::size_t>(i)].home_length_m;
+  const mechanism::Lengths home = homeLengths(robot);
   const mechanism::ForwardResult found = mechanism::forwardKinematicsFromHome(*robot.mechanism, home);
   dynamics::AuxiliaryMotion motion;
   motion.acceleration[axis] = 1.0;
@@ -70,6 +68,7 @@ FeedforwardSetup::FeedforwardSetup(const rt::Deployment& deployment, const Machi
   if (!model.empty()) feedforward->model.set(model);
   if (payload_kg) setPayload(*payload_kg);
   checkLaw();
+  const UnchangedFile file(feedforward->model.value());
   feedforward->loadModel();
   readDelays(robot);
   checkDelays();
@@ -84,6 +83,7 @@ FeedforwardSetup::FeedforwardSetup(const rt::Deployment& deployment, const Machi
     if (observer->model.value().empty()) observer->model.set(path);
     observer->loadModel();
   }
+  file.require();
 }
 
 void FeedforwardSetup::setPayload(double payload_kg) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "home_lengths.h"
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/mechanism/kinematics.h"
 
@@ -62,9 +63,7 @@ std::string whyNotHomedFrom(const mechanism::Lengths& start, const mechanism::Ro
 
 std::string whyNotHomed(const mechanism::Robot& robot, const HardwareFile& hardware) {
   if (!hardware.homing.moves() || !robot.mechanism) return "";
-  mechanism::Lengths home;
-  for (int i = 0; i < mechanism::kLegs; ++i)
-    home[i] = robot.actuators[static_cast<std::size_t>(i)].home_length_m;
+  const mechanism::Lengths home = homeLengths(robot);
   const mechanism::ForwardResult at_home = mechanism::forwardKinematicsFromHome(*robot.mechanism, home);
   for (const double beside_m : {0.0, kBeside_m, -kBeside_m}) {
     mechanism::Pose pose = at_home.pose;

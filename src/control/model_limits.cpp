@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "home_lengths.h"
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/mechanism/kinematics.h"
 
@@ -56,9 +57,7 @@ std::string tooMuchAt(const dynamics::PartedModel& model, const mechanism::Robot
 
 std::string whatIsTooMuch(const dynamics::PartedModel& model, const mechanism::Robot& robot, double share) {
   if (!robot.mechanism) return "";
-  mechanism::Lengths home;
-  for (Eigen::Index i = 0; i < home.size(); ++i)
-    home[i] = robot.actuators[static_cast<std::size_t>(i)].home_length_m;
+  const mechanism::Lengths home = homeLengths(robot);
   for (int k = -1; k < 2 * mechanism::kLegs; ++k) {
     mechanism::Lengths lengths = home;
     if (k >= 0) lengths[k / 2] += k % 2 == 0 ? kAround_m : -kAround_m;

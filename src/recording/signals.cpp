@@ -199,7 +199,7 @@ void noteReferencesThatArePositions(const Recording& r, Signals& s) {
       actuators += (actuators.empty() ? "" : ", ") + std::to_string(i + 1);
   }
   if (actuators.empty()) return;
-  s.notes.push_back("position and reference are the same in every row of actuator " + actuators +
+  s.notes.push_back("Position and reference are the same in every row of actuator " + actuators +
                     ": was the position measured, or one of the two columns exported twice?");
 }
 
