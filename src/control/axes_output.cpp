@@ -5,9 +5,6 @@
 
 namespace knee_robot::control {
 namespace {
-constexpr double kLoadTime_s = 0.2;
-constexpr double kRestTime_s = 0.5, kMotionTime_s = 20.0;  // in motion friction is added, one way or the other
-constexpr double kWeightTime_s = 0.05;
 constexpr double kAskAgain_s = 10.0;
 constexpr double kCreep_m_per_s = 0.001, kCreepCounts = 2.5;  // slower is not told from the encoder's steps
 constexpr rt::Nanoseconds kCreepLook = 20'000'000;
@@ -70,8 +67,7 @@ void AxesOutput::updateHook(const rt::Cycle& cycle) {
   runSafeStop(cycle, measured);
   writeVolts(chooseVolts(), cycle.time);
   writeOutputs(cycle.time);
-  followShifts();
-  estimateLoad(rt::toSeconds(cycle.period));
+  estimateLoad(measured, rt::toSeconds(cycle.period));
   offerLoad();
   out_.safe_stop = safe_stop_.phase();
   out_.holds_here = safe_stop_.holdsHere();
@@ -161,14 +157,8 @@ void AxesOutput::followOrders(const rt::Cycle& cycle) {
   if (next >= DriveLevel::HeldByDrivers && !all_closed_) return;  // the Drivers have to take over first
   out_.level = next;
   if (next != DriveLevel::HeldByDrivers) return;
-  for (std::size_t i = 0; i < hardware::kAxes; ++i) {
-    load_volts_[i] = commands_[i].volts;  // start from the feedforward's force: the filters need a second to settle
-    rest_volts_[i] = load_volts_[i];
-    const mechanism::Actuator& actuator = robot_.actuators[i];
-    weight_volts_[i] = actuator.force_sign * commands_[i].feedforward_N / actuator.force_per_volt_N;
-    beside_volts_[i] = load_volts_[i] - weight_volts_[i];
-    shifted_N_[i] = commands_[i].shifted_N;
-  }
+  for (std::size_t i = 0; i < hardware::kAxes; ++i)
+    load_[i].begin(commands_[i]);
 }
 
 bool AxesOutput::isAtRest() const noexcept {
@@ -252,9 +242,13 @@ bool AxesOutput::creeps(const AxesMeasurement& measured, rt::Nanoseconds now) no
 void AxesOutput::testBrakes(AxisValues& volts) const noexcept {
   if (out_.level != DriveLevel::Energised || safe_stop_.phase() != SafeStopPhase::Idle) return;
   for (std::size_t i = 0; i < hardware::kAxes; ++i) {
-    const mechanism::Actuator& actuator = robot_.actuators[i];
-    volts[i] = clamped(actuator.force_sign * order_.brake_test_N[i] / actuator.force_per_volt_N, i);
+    volts[i] = clamped(voltsOf(order_.brake_test_N[i], i), i);
   }
+}
+
+double AxesOutput::voltsOf(double force_N, std::size_t axis) const noexcept {
+  const mechanism::Actuator& actuator = robot_.actuators[axis];
+  return actuator.force_sign * force_N / actuator.force_per_volt_N;
 }
 
 double AxesOutput::clamped(double volts, std::size_t axis) const noexcept {
@@ -276,7 +270,7 @@ AxisValues AxesOutput::chooseVolts() const noexcept {
       safe_stop_.holdsHere() || safe_stop_.phase() == SafeStopPhase::Carrying || safe_stop_.isTransferring();
   const bool unheld = braked || (outputs_refused_ && safe_stop_.engagesHold());
   for (std::size_t i = 0; i < hardware::kAxes; ++i) {
-    const double load = unheld ? rest_volts_[i] : load_volts_[i];
+    const double load = voltsOf(unheld ? load_[i].atRest_N() : load_[i].lately_N(), i);
     const double without_loop = braked && astray_[i] ? 0.0 : load;
     volts[i] = clamped(safe_stop_.share() * (closed_[i] ? commands_[i].volts : without_loop), i);
   }
@@ -310,39 +304,16 @@ void AxesOutput::writeOutputs(rt::Nanoseconds now) {
   beginSafeStop(faultOfRefusal(status), 0, now);
 }
 
-/// Where a share or the payload changes the model foresees weight that nobody foresaw before, or leaves it to the loop:
-/// both parts change at once, and their sum stays. Else a declared payload would be carried twice, for seconds.
-void AxesOutput::followShifts() noexcept {
-  for (std::size_t i = 0; i < hardware::kAxes; ++i) {
-    const mechanism::Actuator& actuator = robot_.actuators[i];
-    const double step_N = commands_[i].shifted_N - shifted_N_[i];
-    if (!closed_[i] || !std::isfinite(step_N)) continue;
-    const double step = actuator.force_sign * step_N / actuator.force_per_volt_N;
-    weight_volts_[i] += step;
-    beside_volts_[i] -= step;
-    shifted_N_[i] = commands_[i].shifted_N;
-  }
-}
-
-/// What carries the platform at this place, for an axis whose loop fails; also while a safe stop settles or carries.
-/// What carries it at rest is the model's weight here, which a mean over a second of motion would be behind, and what
-/// was needed beside it when the robot last stood.
-void AxesOutput::estimateLoad(double dt) noexcept {
+/// Also while a safe stop settles or carries.
+void AxesOutput::estimateLoad(const AxesMeasurement& measured, double dt) noexcept {
   const bool idle = safe_stop_.phase() == SafeStopPhase::Idle;
   const bool stands = safe_stop_.phase() == SafeStopPhase::Settling || safe_stop_.phase() == SafeStopPhase::Carrying;
-  if (out_.level != DriveLevel::Released || (!idle && !stands)) return;
+  released_s_ = out_.level == DriveLevel::Released ? released_s_ + dt : 0.0;
+  const bool learns = released_s_ > hardware_.holdDelay() && (idle || stands);
   for (std::size_t i = 0; i < hardware::kAxes; ++i) {
-    if (!idle && !closed_[i]) continue;
-    const mechanism::Actuator& actuator = robot_.actuators[i];
-    const double per_N = actuator.force_sign / actuator.force_per_volt_N;
-    const double foreseen = per_N * commands_[i].feedforward_N;
-    const double weight = foreseen - per_N * commands_[i].moving_N;
-    load_volts_[i] += (out_.volts[i] - load_volts_[i]) * dt / (kLoadTime_s + dt);
-    const double time_s = commands_[i].at_rest || foreseen == 0.0 ? kRestTime_s : kMotionTime_s;
-    const double beside = out_.volts[i] - foreseen - per_N * commands_[i].pulse_N;
-    beside_volts_[i] += (beside - beside_volts_[i]) * dt / (time_s + dt);
-    weight_volts_[i] += (weight - weight_volts_[i]) * dt / (kWeightTime_s + dt);
-    rest_volts_[i] = weight_volts_[i] + beside_volts_[i];
+    if (!closed_[i]) continue;
+    load_[i].follow(commands_[i]);
+    if (learns) load_[i].learn(commands_[i], out_.force_N[i], measured.position_m[i], dt);
   }
 }
 
@@ -354,7 +325,7 @@ void AxesOutput::offerLoad() noexcept {
   if (!carries || (outputs_refused_ && !lost_at_rest_)) return bus_.offerLoad(nullptr);
   AxisValues load{};
   for (std::size_t i = 0; i < hardware::kAxes; ++i)
-    load[i] = clamped(rest_volts_[i], i);
+    load[i] = clamped(voltsOf(load_[i].atRest_N(), i), i);
   bus_.offerLoad(&load);
 }
 

@@ -2,6 +2,7 @@
 
 #include <array>
 
+#include "carried_load.h"
 #include "knee_robot/control/axis_data.h"
 #include "knee_robot/control/hardware_file.h"
 #include "knee_robot/mechanism/robot.h"
@@ -17,8 +18,8 @@ namespace knee_robot::control {
 ///
 /// Below HeldByDrivers 0 V are written. From there on each axis gets its Driver's command as long as it is fresh,
 /// finite, of this axis, its loop is closed and no monitor says that it must not go on; clamped to voltage_max and
-/// force_max here once more. Otherwise the axis gets its load estimate: the low-passed command of the last 0.2 s, which
-/// is about what carries the platform there, until the holding brake holds it.
+/// force_max here once more. Otherwise the axis gets its load estimate (CarriedLoad): the low-passed command of the last
+/// 0.2 s, which is about what carries the platform there, until the holding brake holds it.
 ///
 /// The safe stop (SafeStop) is run here on all four channels, once, when the Supervisor orders it, when a loop is not
 /// closed although it should be, when orders are stale or go down a level, when the bus refuses. Leaving Running in any
@@ -73,11 +74,11 @@ class AxesOutput : public rt::TaskContext {
   bool stands(const AxesMeasurement& measured) const noexcept;
   bool runs(const AxesMeasurement& measured) noexcept;
   AxisValues chooseVolts() const noexcept;
+  double voltsOf(double force_N, std::size_t axis) const noexcept;
   double clamped(double volts, std::size_t axis) const noexcept;
   void writeVolts(const AxisValues& volts, rt::Nanoseconds now);
   void writeOutputs(rt::Nanoseconds now);
-  void followShifts() noexcept;
-  void estimateLoad(double dt) noexcept;
+  void estimateLoad(const AxesMeasurement& measured, double dt) noexcept;
   void offerLoad() noexcept;
   void testBrakes(AxisValues& volts) const noexcept;
 
@@ -99,15 +100,12 @@ class AxesOutput : public rt::TaskContext {
   bool watched_ = false;  // a loop is left whose drive can be reached
   int open_axis_ = 0;
   Fault open_fault_ = Fault::None;
-  AxisValues load_volts_{};    // what the axes got, low-passed
-  AxisValues rest_volts_{};    // what carries them at rest
-  AxisValues weight_volts_{};  // the part of it that the model foresees
-  AxisValues beside_volts_{};  // and the one that nobody foresaw
-  AxisValues shifted_N_{};     // of the commands
-  AxisValues mean_m_{};        // positions; where the encoder is the fault their mean over some 20 ms
-  AxisValues transfer_m_{};    // where the axes stood when the transfer began
-  AxisValues braked_m_{};      // where they were when the brakes should have held
-  AxisValues creep_m_{};       // where they stood at creep_at_
+  std::array<CarriedLoad, hardware::kAxes> load_{};
+  double released_s_ = 0.0;  // for so long the holding brakes have been ordered to let go
+  AxisValues mean_m_{};      // positions; where the encoder is the fault their mean over some 20 ms
+  AxisValues transfer_m_{};  // where the axes stood when the transfer began
+  AxisValues braked_m_{};    // where they were when the brakes should have held
+  AxisValues creep_m_{};     // where they stood at creep_at_
   rt::Nanoseconds creep_at_ = 0;
   bool creeps_ = false;
   rt::Nanoseconds asked_at_ = 0;

@@ -115,19 +115,19 @@ void Driver::readFeedforward(const rt::Cycle& cycle) noexcept {
   const bool heard = feedforward.read(model_force_) != rt::FlowStatus::NoData;
   const bool alive = heard && cycle.time - model_force_.time <= kSilentFeedforward * cycle.period;
   const double load = alive ? model_force_.force_N[index_] : 0.0;
+  const double weight = alive ? model_force_.weight_N[index_] : 0.0;
   // Beginning or ending in the middle of a motion is switching, too.
-  const double weight = alive ? load - model_force_.moving_N[index_] : 0.0;
   const bool goes_on = alive == feedforward_alive_;
   const double step = goes_on ? model_force_.switched_N[index_] - switched_ : load - load_;
   if (active_ && step != 0.0) {
     pid_.shiftIntegral(-step);
     shifted_N_ += step;
-    shifted_weight_N_ += goes_on ? model_force_.switched_weight_N[index_] - switched_weight_ : weight - weight_;
   }
+  out_.declared_N += goes_on ? model_force_.declared_N[index_] - declared_ : weight - out_.weight_N;
+  out_.weight_N = weight;
   switched_ = model_force_.switched_N[index_];
-  switched_weight_ = model_force_.switched_weight_N[index_];
+  declared_ = model_force_.declared_N[index_];
   load_ = load;
-  weight_ = weight;
   feedforward_alive_ = alive;
   last_loop_ = loop_;
   loop_ = alive ? model_force_.loop_N[index_] : 0.0;
@@ -264,7 +264,6 @@ void Driver::control(const rt::Cycle& cycle) {
   }
   out_.force_N = force;
   out_.feedforward_N = load_;
-  out_.shifted_N = shifted_weight_N_;
   out_.moving_N = feedforward_alive_ ? model_force_.moving_N[index_] : 0.0;
   out_.volts = actuator_.force_sign * force / actuator_.force_per_volt_N;
 }

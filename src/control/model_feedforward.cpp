@@ -114,6 +114,7 @@ void ModelFeedforward::letGo(double dt) noexcept {
   on_ = parts_known_ = false;
   pose_.forget();
   openLoop();
+  forgetWeight();
   out_.force_N = out_.moving_N = AxisValues{};
   out_.complete = false;
 }
@@ -153,14 +154,29 @@ void ModelFeedforward::closeLoop(double dt) noexcept {
 /// Nothing is known: 0 N, and what was there counts as switched off.
 void ModelFeedforward::drop() noexcept {
   openLoop();
-  for (std::size_t i = 0; i < hardware::kAxes; ++i) {
+  forgetWeight();
+  for (std::size_t i = 0; i < hardware::kAxes; ++i)
     out_.switched_N[i] -= out_.force_N[i];
-    out_.switched_weight_N[i] -= out_.force_N[i] - out_.moving_N[i];
-  }
   out_.force_N = out_.moving_N = AxisValues{};
   level_ = 0.0;
   taking_over_ = false;
   out_.complete = true;
+}
+
+void ModelFeedforward::forgetWeight() noexcept {
+  for (std::size_t i = 0; i < hardware::kAxes; ++i)
+    out_.declared_N[i] -= out_.weight_N[i];
+  out_.weight_N = AxisValues{};
+  weighs_ = false;
+}
+
+/// With the payload that is declared now, where `before_kg` was.
+void ModelFeedforward::weigh(double before_kg) noexcept {
+  const AxisValues before = weighs_ ? total({1.0, 0.0, 0.0, before_kg}, 1.0) : AxisValues{};
+  out_.weight_N = total({1.0, 0.0, 0.0, weights_.payload_kg}, 1.0);
+  for (std::size_t i = 0; i < hardware::kAxes; ++i)
+    out_.declared_N[i] += out_.weight_N[i] - before[i];
+  weighs_ = true;
 }
 
 void ModelFeedforward::carry(double dt) noexcept {
@@ -174,7 +190,8 @@ void ModelFeedforward::carry(double dt) noexcept {
   if (homing_ || !findParts()) return drop();
   closeLoop(dt);
   const double kept_level = taking_over_ ? 1.0 : level_;
-  const AxisValues kept = total(weights_, kept_level), carried = total(atRest(weights_), kept_level);
+  const AxisValues kept = total(weights_, kept_level);
+  const double kept_kg = weights_.payload_kg;
   const double step = rampStep(dt, switch_time);
   const Weights wanted = asked();
   weights_.gravity = approached(weights_.gravity, wanted.gravity, step);
@@ -187,10 +204,9 @@ void ModelFeedforward::carry(double dt) noexcept {
   for (std::size_t i = 0; i < hardware::kAxes; ++i)
     out_.moving_N[i] = out_.force_N[i] - still[i];
   // While the holding brakes carry, the integrals are empty and nothing has to be made up for.
-  for (std::size_t i = 0; i < hardware::kAxes && !taking_over_; ++i) {
+  for (std::size_t i = 0; i < hardware::kAxes && !taking_over_; ++i)
     out_.switched_N[i] += out_.force_N[i] - kept[i];
-    out_.switched_weight_N[i] += still[i] - carried[i];
-  }
+  weigh(kept_kg);
   if (level_ >= 1.0) taking_over_ = false;
   out_.complete = !taking_over_;
 }

@@ -145,7 +145,8 @@ void members(const FeedforwardForce& v, Visit& visit) {
   visit("force_N", v.force_N);
   visit("moving_N", v.moving_N);
   visit("switched_N", v.switched_N);
-  visit("switched_weight_N", v.switched_weight_N);
+  visit("weight_N", v.weight_N);
+  visit("declared_N", v.declared_N);
   visit("loop_N", v.loop_N);
   visit("closes_loop", v.closes_loop);
   visit("payload_kg", v.payload_kg);
@@ -176,7 +177,8 @@ void members(const AxisCommand& v, Visit& visit) {
   visit("force_N", v.force_N);
   visit("feedforward_N", v.feedforward_N);
   visit("moving_N", v.moving_N);
-  visit("shifted_N", v.shifted_N);
+  visit("weight_N", v.weight_N);
+  visit("declared_N", v.declared_N);
   visit("reference_m", v.reference_m);
   visit("reference_velocity_m_per_s", v.reference_velocity);
   visit("homed", v.homed);

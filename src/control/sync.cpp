@@ -20,6 +20,9 @@ AxisValues scaled(const AxisValues& values, double factor) noexcept {
   return result;
 }
 
+/// For so long the Drivers carry before a path begins, the brakes' opening included.
+constexpr rt::Nanoseconds kWeighs = 400'000'000;
+
 }  // namespace
 
 Sync::Sync(const std::string& name, const mechanism::Robot& robot)
@@ -39,6 +42,7 @@ void Sync::updateHook(const rt::Cycle& cycle) {
   measurement.read(measured_);
   const bool orders_timed_out = flow == rt::FlowStatus::NoData || silent_ > rt::fromSeconds(orders_timeout_s);
 
+  carried_ = order.driversCarry() ? carried_ + cycle.period : 0;
   ++out_.sequence;
   out_.start = cycle.time;
   out_.duration = cycle.period;
@@ -48,7 +52,7 @@ void Sync::updateHook(const rt::Cycle& cycle) {
     standBy(order);
   } else if (moving) {
     advance(cycle, order, order.stop_path || orders_timed_out);
-  } else if (order.play != handled_play_) {
+  } else if (order.play != handled_play_ && carried_ >= kWeighs && !orders_timed_out) {
     tryToPlay(order);
     if (out_.phase == SyncPhase::Playing) advance(cycle, order, false);
   } else if (out_.phase == SyncPhase::Holding) {

@@ -18,7 +18,8 @@ namespace knee_robot::control {
 /// stop_time_s or longer where half of an axis' acceleration limit demands it: the robot stays on its path and there is
 /// no jump of velocity, whatever is asked for in whichever order.
 /// Starts only at the first point: |measured - first| <= start_tolerance_m on every axis, else it refuses with the
-/// distance.
+/// distance; and not before the Drivers have carried for 0.4 s: standing tells what nobody declared (CarriedLoad), motion
+/// hardly does.
 /// While a hand guides the platform it stands by: the next path begins anew. Holds at the last point. Stops by itself
 /// when the Supervisor's orders do not come any more.
 class Sync : public rt::TaskContext {
@@ -63,9 +64,10 @@ class Sync : public rt::TaskContext {
   const ReferencePath* path_ = nullptr;
   AxesMeasurement measured_;
   SetPoint out_;
-  rt::Nanoseconds silent_ = 0;  // own cycles without new orders
-  double path_time_ = 0.0;      // s
-  double time_scale_ = 0.0;     // 0 to 1
+  rt::Nanoseconds silent_ = 0;   // own cycles without new orders
+  rt::Nanoseconds carried_ = 0;  // for so long the Drivers alone carry
+  double path_time_ = 0.0;       // s
+  double time_scale_ = 0.0;      // 0 to 1
   std::uint32_t handled_play_ = 0;
 };
 

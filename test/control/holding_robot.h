@@ -37,6 +37,8 @@ struct Truth {
   const char* deployment = "config/deployment/simulation.yaml";
   std::string robot = "A";
   std::string patient{};  // file; empty: nobody is on the robot
+  double stands_s = 3.0;  // after it was enabled: every encoder has been asked once
+  double share_gravity = 1.0;
 };
 
 inline simulation::SimulationParameters parameters(const Truth& truth) {
@@ -94,8 +96,11 @@ struct HoldingRobot {
     if (!truth.patient.empty()) {
       EXPECT_TRUE(system->loadPatient(truth.patient).ok);
     }
+    if (truth.share_gravity != 1.0) {
+      EXPECT_TRUE(system->setProperty("Feedforward", "share_gravity", std::to_string(truth.share_gravity)).ok);
+    }
     EXPECT_TRUE(system->enable().ok);
-    system->run(3.0);  // every encoder has been asked once
+    system->run(truth.stands_s);
   }
   void freeze(std::size_t axis) {
     image.faults.encoder[axis].store(static_cast<std::uint8_t>(simulation::EncoderFault::Frozen));

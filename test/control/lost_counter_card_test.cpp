@@ -147,6 +147,49 @@ TEST(LostCounterCard, InMotionJustAfterAPayloadOrAShareHasChangedIsAsWithoutTheC
   }
 }
 
+/// What nobody declared, and the weight that the Drivers' integrals carry where it is not fed forward, is known from
+/// standing. An axis that stands for long creeps to where friction hides or adds its whole size.
+TEST(LostCounterCard, InTheFirstStrokeLeavesThePlatformAboutWhereItIsHoweverLongItHasStood) {
+  double farthest = 0.0;
+  int cases = 0;
+  for (const double stands_s : {0.0, 3.0, 12.0}) {
+    for (const double share : {0.0, 0.6, 1.0}) {
+      for (const double payload_kg : {0.0, 12.0, 17.5}) {
+        for (const double time_s : {0.1, 0.3, 0.7}) {
+          holding::Truth truth;
+          truth.share_gravity = share;
+          truth.payload_kg = payload_kg;
+          truth.stands_s = stands_s;
+          HoldingRobot robot(truth);
+          robot.play(200);
+          robot.system->run(time_s + (stands_s == 0.0 ? 0.35 : 0.0));  // the path begins by so much later
+          const double leaves_m = leavesWithoutCard(robot);
+          EXPECT_LT(leaves_m, 0.012) << stands_s << " s, " << share << ", " << payload_kg << " kg, " << time_s << " s";
+          farthest = std::max(farthest, leaves_m);
+          ++cases;
+        }
+      }
+    }
+  }
+  std::printf("%d cases, at most %.1f mm\n", cases, 1e3 * farthest);
+}
+
+/// Somebody leans on the platform, or gets off.
+TEST(LostCounterCard, InAMovementSoonAfterTheLoadHasChangedAtRestLeavesThePlatformAboutWhereItIs) {
+  for (const double push_N : {150.0, -100.0}) {
+    for (const double before_s : {0.7, 2.0, 5.0}) {
+      for (const double time_s : {0.3, 0.6, 1.5}) {
+        HoldingRobot robot;
+        robot.push(push_N);
+        robot.system->run(before_s);
+        robot.play(200);
+        robot.system->run(time_s);
+        EXPECT_LT(leavesWithoutCard(robot), 0.012) << push_N << " N, " << before_s << " s before, " << time_s << " s";
+      }
+    }
+  }
+}
+
 /// "Release the emergency stop" helps nobody while brakes are open, or drives on, that nothing can be told any more.
 TEST(LostCounterCard, IsSaidToBeLostWhateverBeganTheSafeStopInWhichItGoes) {
   for (const simulation::CardLoss loss : {simulation::kCardGone, simulation::kCardSilent}) {

@@ -29,6 +29,9 @@ class SyncTest : public ::testing::Test {
     orders.drivers_active = true;
     measured.status = hardware::IoStatus::Ok;
     measured.position_m.fill(fake::kHome);
+    orders.level = DriveLevel::Released;
+    for (int k = 0; k < 40; ++k)  // the Drivers have carried for long enough
+      tick();
   }
   /// `distance` on all axes in `seconds`, from home.
   void load(double distance, double seconds) {
@@ -159,6 +162,30 @@ TEST_F(SyncTest, StopsByItselfWhenOrdersDoNotComeAnyMore) {
     tick();
   EXPECT_EQ(out.phase, SyncPhase::Holding);
   EXPECT_LT(out.path_time_s, 1.5);
+}
+
+TEST_F(SyncTest, BeginsNoPathBeforeTheDriversHaveCarriedForAWhile) {
+  orders.level = DriveLevel::HeldByDrivers;
+  tick();
+  load(0.04, 2.0);
+  ++orders.play;
+  orders.level = DriveLevel::Released;
+  for (int k = 0; k < 39; ++k)
+    EXPECT_NE(tick().phase, SyncPhase::Playing) << k;
+  EXPECT_EQ(tick().phase, SyncPhase::Playing);
+}
+
+TEST_F(SyncTest, PlaysNothingThatWasStoppedBeforeItBegan) {
+  orders.level = DriveLevel::HeldByDrivers;
+  tick();
+  load(0.04, 2.0);
+  ++orders.play;
+  orders.level = DriveLevel::Released;
+  tick();
+  orders.stop_path = true;
+  for (int k = 0; k < 60; ++k)
+    EXPECT_NE(tick().phase, SyncPhase::Playing) << k;
+  EXPECT_EQ(out.refused_run, orders.play);
 }
 
 TEST_F(SyncTest, ForgetsWhatItPlayedWhenTheDriversAreOff) {

@@ -78,13 +78,14 @@ struct FeedforwardForce {
   std::uint64_t sequence = 0;
   rt::Nanoseconds time = 0;
   AxisValues force_N{};
-  AxisValues moving_N{};    ///< the part of force_N for inertia and friction: gone when the axes rest
-  AxisValues switched_N{};  ///< sum of all changes of force_N that are no change of the load, ever since the start
-  AxisValues switched_weight_N{};  ///< the part of switched_N that carries at rest, too
-  AxisValues loop_N{};             ///< besides: feedback through the model (ControlLaw)
-  bool closes_loop = false;        ///< loop_N takes the place of the Drivers' proportional and derivative terms
-  double payload_kg = 0.0;         ///< declared
-  bool complete = false;           ///< the whole force is there: the holding brakes may be released
+  AxisValues moving_N{};     ///< the part of force_N for inertia and friction: gone when the axes rest
+  AxisValues switched_N{};   ///< sum of all changes of force_N that are no change of the load, ever since the start
+  AxisValues weight_N{};     ///< all that the model weighs here, whatever share of it is in force_N; 0: not known
+  AxisValues declared_N{};   ///< sum of all changes of weight_N that are no change of the load, ever since the start
+  AxisValues loop_N{};       ///< besides: feedback through the model (ControlLaw)
+  bool closes_loop = false;  ///< loop_N takes the place of the Drivers' proportional and derivative terms
+  double payload_kg = 0.0;   ///< declared
+  bool complete = false;     ///< the whole force is there: the holding brakes may be released
 };
 
 /// One Driver, once its period.
@@ -100,7 +101,8 @@ struct AxisCommand {
   double force_N = 0.0;        ///< what the volts ask for
   double feedforward_N = 0.0;  ///< the part of it that a model foresaw
   double moving_N = 0.0;       ///< the part of that which is for the motion: gone when the axis rests
-  double shifted_N = 0.0;      ///< sum of the weight that the loop left to the model as a share or the payload changed
+  double weight_N = 0.0;       ///< all that a model weighs at this place, foreseen or not; 0: not known
+  double declared_N = 0.0;     ///< sum of the changes of weight_N that are no change of the load
   double reference_m = 0.0;
   double reference_velocity = 0.0;  ///< m/s
   bool homed = false;               ///< as ordered: the lengths mean something

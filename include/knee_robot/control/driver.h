@@ -139,9 +139,8 @@ class Driver : public rt::TaskContext {
   double last_loop_ = 0.0;
   bool model_closes_ = false, model_closed_ = false;  // that feedback takes the place of P and D; in the last cycle
   double switched_ = 0.0;                             // N, as last seen
-  double switched_weight_ = 0.0, weight_ = 0.0;       // N: the same of what carries at rest; and that, now
-  double shifted_weight_N_ = 0.0;
-  bool feedforward_alive_ = false;  // the feedforward is alive
+  double declared_ = 0.0;                             // N, likewise
+  bool feedforward_alive_ = false;                    // the feedforward is alive
   Guidance guide_;
   double guided_N_ = 0.0;
   bool guides_ = false, guided_ = false;  // HandGuide's force takes the place of the loop; it did in the last cycle

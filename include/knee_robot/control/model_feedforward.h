@@ -124,6 +124,8 @@ class ModelFeedforward : public rt::TaskContext {
   void carry(double dt) noexcept;
   void letGo(double dt) noexcept;
   void drop() noexcept;
+  void weigh(double before_kg) noexcept;
+  void forgetWeight() noexcept;
   bool findParts() noexcept;
   AxisValues total(const Weights& weights, double level) const noexcept;
   void closeLoop(double dt) noexcept;
@@ -150,6 +152,7 @@ class ModelFeedforward : public rt::TaskContext {
   bool on_ = false;
   bool homing_ = false;
   bool taking_over_ = false;
+  bool weighs_ = false;  // weight_N is known
   double level_ = 0.0;
   Weights weights_;
   rt::Nanoseconds last_time_ = 0, parts_time_ = 0;

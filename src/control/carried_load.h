@@ -1,0 +1,38 @@
+#pragma once
+
+#include "knee_robot/control/axis_data.h"
+
+namespace knee_robot::control {
+
+/// What carries one axis where it is, should its loop fail, the process die, or nobody see the platform any more: the
+/// model's whole weight here, whatever share of it is fed forward, and what was needed beside it. A mean over a second
+/// of motion would be behind the weight that changes with the pose.
+///
+/// What is needed beside it is estimated with the friction that no model foresees (a Kalman filter of two states, both
+/// of which wander): in motion friction is added by the direction; at rest it may hide as much of the load, so that
+/// what an axis stands with holds it there, but says little about another place.
+class CarriedLoad {
+ public:
+  /// The Drivers take over: the feedforward is in the command, and nothing else is known.
+  void begin(const AxisCommand& command) noexcept;
+  /// Where a payload is declared the model foresees weight that was carried before: the sum stays.
+  void follow(const AxisCommand& command) noexcept;
+  /// One cycle of dt seconds in which the drive gave `given_N`, the axis was at `position_m`, and no brake carried.
+  void learn(const AxisCommand& command, double given_N, double position_m, double dt) noexcept;
+
+  /// N, what the drive has given lately.
+  double lately_N() const noexcept { return lately_N_; }
+  /// N, what carries the axis at rest: what does so, if it has stood for a while.
+  double atRest_N() const noexcept;
+
+ private:
+  double lately_N_ = 0.0;
+  double weight_N_ = 0.0;    // that the model foresees
+  double beside_N_ = 0.0;    // that nobody foresaw
+  double friction_N_ = 0.0;  // likewise, in the direction of motion
+  double variance_ = 0.0, friction_variance_ = 0.0, covariance_ = 0.0;
+  double declared_N_ = 0.0;
+  double stood_s_ = 0.0, settled_s_ = 0.0, pushed_s_ = 0.0;
+};
+
+}  // namespace knee_robot::control
