@@ -22,6 +22,7 @@ ROBOT = {
     "viscoelastic_link": [f"stiffness_N_per_m: {v}, relaxation_s: 1, anchor_m: [0.2, 0.3, 0], point_m: [0.2, 0.2, 0]" for v in ("400", "1000", "2500")],
     "elastoplastic_link": [f"yield_N: {v}, yield_m: 0.004, anchor_m: [0.2, 0.3, 0], point_m: [0.2, 0.2, 0]" for v in ("10", "22", "45")],
     "line_friction": [f"friction_N: {v}, proportional_below_m_per_s: 0.004, anchor_m: [0, 0.1, 1.8], point_m: [0.1, -0.1, 0]" for v in ("8", "18", "40")],
+    "link_between_legs": [f"first_leg: 1, second_leg: 2, between: cylinders, acts_from_m: 0.4, side: longer, stiffness_N_per_m: {v}, damping_N_s_per_m: 20" for v in ("300", "800", "2000")],
     "force_gain": ["actuators: [ACT], factor: " + v for v in ("0.93", "0.85", "0.7")],
     "delay": ["actuators: [ACT], time_s: " + v for v in ("0.004", "0.008", "0.014")],
     "drive_lag": ["actuators: [ACT], time_constant_s: " + v for v in ("0.004", "0.008", "0.014")],

@@ -60,6 +60,7 @@ constexpr Entry kLaws[] = {
     {"drive_lag", 0, delayLaw},
     {"spring", 4, springLaw},
     {"one_sided_spring", 9, oneSidedSpringLaw},
+    {"link_between_legs", 6, linkBetweenLegsLaw},
     {"dashpot", 5, dashpotLaw},
     {"asymmetric_dashpot", 5, asymmetricDashpotLaw},
     {"viscoelastic_link", 5, viscoelasticLinkLaw},

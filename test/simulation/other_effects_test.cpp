@@ -4,6 +4,7 @@
 
 #include "knee_robot/base/errors.h"
 #include "knee_robot/dynamics/effect_law.h"
+#include "knee_robot/mechanism/leg_distance.h"
 #include "test/refusal.h"
 #include "test/simulation/effect_bench.h"
 
@@ -183,6 +184,28 @@ TEST(PlatformEffects, AStrapActsBeyondItsLengthOnlyAndAStopBelowIt) {
   const mechanism::Vector4 pulled = poseForceOf(pose, mechanism::Vector3(0.2, 0.2, 0), force_N * span.normalized());
   EXPECT_TRUE(strap("longer", length - 0.04).isApprox(pulled, 1e-4));
   EXPECT_TRUE(strap("shorter", length + 0.04).isApprox(-pulled, 1e-4));
+}
+
+TEST(PlatformEffects, AHoseBetweenTwoLegsPullsBeyondItsLengthAndABumperPushesBelowIt) {
+  const mechanism::Robot robot = configuredRobot("final");
+  const mechanism::Pose pose = EffectBench("").simulation().state().pose;
+  for (const auto& [name, between] : {std::pair{"lengths", mechanism::BetweenLegs::Lengths},
+                                      {"cylinders", mechanism::BetweenLegs::Cylinders},
+                                      {"rods", mechanism::BetweenLegs::Rods}}) {
+    const mechanism::LegDistance there = mechanism::legDistance(*robot.mechanism, pose, {1, 2, between, 0.2});
+    const auto pushed = [&, between_legs = std::string(name)](const std::string& side, double acts_from_m) {
+      EffectBench bench("{name: link_between_legs, first_leg: 2, second_leg: 3, between: " + between_legs +
+                        ", acts_from_m: " + std::to_string(acts_from_m) + ", side: " + side +
+                        ", stiffness_N_per_m: 300, stiffening_N_per_m2: 2000}");
+      bench.push(bench.weight(), EffectBench::kStep);
+      return bench.simulation().loads().pose_force;
+    };
+    const mechanism::Vector4 pull = -(300.0 + 2000.0 * 0.04) * 0.04 * there.by_pose;
+    EXPECT_TRUE(pushed("longer", there.length_m + 0.001).isZero()) << name;
+    EXPECT_TRUE(pushed("shorter", there.length_m - 0.001).isZero()) << name;
+    EXPECT_TRUE(pushed("longer", there.length_m - 0.04).isApprox(pull, 1e-3)) << name;
+    EXPECT_TRUE(pushed("shorter", there.length_m + 0.04).isApprox(-pull, 1e-3)) << name;
+  }
 }
 
 class JointFrictionEffects : public testing::TestWithParam<const char*> {};

@@ -68,6 +68,7 @@ effects:
   - {name: viscoelastic_link, stiffness_N_per_m: 100, relaxation_s: 1, anchor_m: [0, 0, 0], point_m: [0.1, 0, 0]}
   - {name: elastoplastic_link, yield_N: 10, yield_m: 0.004, anchor_m: [0, 0, 0], point_m: [0.1, 0, 0]}
   - {name: line_friction, friction_N: 10, proportional_below_m_per_s: 0.004, anchor_m: [0, 0, 1.8], point_m: [0.1, 0, 0]}
+  - {name: link_between_legs, first_leg: 1, second_leg: 2, between: rods, acts_from_m: 0.1, side: longer, stiffness_N_per_m: 50, friction_N: 1}
   - {name: external_force, start_s: 0.1, end_s: 0.2, force_N: [0, 0, -20], point_m: [0, 0, 0]}
   - {name: force_gain, factor: 0.95}
   - {name: drive_dead_zone, lost_N: 1}

@@ -19,6 +19,7 @@ namespace {
 constexpr double kMotionSeconds = 12.0;
 constexpr int kActing = 1;
 constexpr double kActingSize_N = 5.0;  ///< rms of an effect
+constexpr double kRounding = 1e-12;    ///< of the columns of a leg that something else does not touch
 const std::set<std::string> kLeftOut = {
     "external_force", "backlash",       "flexible_coupling", "gain_drift",           "drive_dead_zone",
     "hanging_mass",   "sliding_mass",   "nonlinear_spring",  "passive_joint",        "payload_change",
@@ -152,7 +153,7 @@ void expectLawToBeTheColumns(const Machine& m, const Candidate& candidate, const
     ASSERT_EQ(found.cols(), expected.cols());
     EXPECT_GT(expected.norm(), 0.0);
     const double near = candidate.shared() ? 1e-5 : 1e-9;  // tracing turns the platform by a small angle
-    EXPECT_LT((found - expected).cwiseAbs().maxCoeff(), near * expected.cwiseAbs().maxCoeff());
+    EXPECT_LT((found - expected).cwiseAbs().maxCoeff(), near * expected.cwiseAbs().maxCoeff() + kRounding);
   }
 }
 

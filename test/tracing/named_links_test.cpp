@@ -73,5 +73,18 @@ TEST(Trace, NamesAJointThatDampsAndYields) {
   EXPECT_LT(ofThreeLegs(c.after_N), 0.5 * ofThreeLegs(c.before_N));
 }
 
+TEST(Trace, NamesAHoseThatGoesTautBetweenTwoLegs) {
+  const TracedCase c = traceSimulated(
+      "  - {name: link_between_legs, first_leg: 1, second_leg: 3, between: lengths, acts_from_m: 0.0, side: longer, "
+      "stiffness_N_per_m: 300, damping_N_s_per_m: 60}\n",
+      [](recording::Recording&) {}, {1, 3});
+  const FoundEffect* hose = namedLink(c, "link_between_legs");
+  ASSERT_NE(hose, nullptr);
+  EXPECT_EQ(hose->hypothesis.shape[0], 1.0);
+  EXPECT_EQ(hose->hypothesis.shape[1], 3.0);
+  EXPECT_EQ(hose->hypothesis.shape[2], 0.0);
+  EXPECT_LT(ofThreeLegs(c.after_N), 0.6 * ofThreeLegs(c.before_N));
+}
+
 }  // namespace
 }  // namespace knee_robot::tracing

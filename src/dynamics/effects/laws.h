@@ -28,6 +28,8 @@ Law delayLaw(const Shape& shape);
 Law springLaw(const Shape& shape);
 /// Null when its exponent or the way over which a part is lost is not positive.
 Law oneSidedSpringLaw(const Shape& shape);
+/// Null when it is between no legs, or the way over which friction comes up is not positive.
+Law linkBetweenLegsLaw(const Shape& shape);
 Law dashpotLaw(const Shape& shape);
 Law asymmetricDashpotLaw(const Shape& shape);
 /// Null when it does not relax: a time that is not positive.

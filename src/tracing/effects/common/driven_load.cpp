@@ -8,7 +8,7 @@
 namespace knee_robot::tracing {
 namespace {
 
-constexpr double kPartBeyond = 0.6, kLeastBeyond = 0.0, kShareBeside = 0.2;
+constexpr double kPartBeyond = 0.6, kLeastBeyond = 0.0, kDrivenShareBeside = 0.2;
 constexpr double kJointBeside = 1.4;  ///< factor between neighbours
 
 }  // namespace
@@ -28,7 +28,7 @@ std::vector<std::vector<double>> besideJoint(const std::vector<double>& shape, d
     out.push_back(shape);
     out.back()[0] = std::clamp(shape[0] * std::pow(kJointBeside, sign * step), limits[0].low, limits[0].high);
     out.push_back(shape);
-    out.back()[1] = std::clamp(shape[1] + sign * step * kShareBeside, limits[1].low, limits[1].high);
+    out.back()[1] = std::clamp(shape[1] + sign * step * kDrivenShareBeside, limits[1].low, limits[1].high);
   }
   return out;
 }
