@@ -5,7 +5,7 @@
 
 namespace knee_robot::control {
 namespace {
-constexpr double kLately_s = 0.2, kWeight_s = 0.05;
+constexpr double kLately_s = 0.2, kWeight_s = 0.05, kUnweighed_s = 0.5;
 constexpr double kFriction_m_per_s = 0.002;  ///< reference velocity at which friction has its whole size
 /// Variances, in units of that which an axis leaves open that stands: friction, whose size is unknown, one way or the
 /// other.
@@ -41,17 +41,26 @@ void CarriedLoad::learn(const AxisCommand& command, double given_N, double posit
   lately_N_ += (given_N - command.pulse_N - lately_N_) * dt / (kLately_s + dt);
   stood_s_ = command.at_rest ? stood_s_ + dt : 0.0;
   weight_N_ += (command.weight_N - weight_N_) * dt / (kWeight_s + dt);
-  const bool stands = command.at_rest || command.weight_N == 0.0;  // without a model the weight is in it, too
-  if (stands) variance_ = std::max(variance_, kStanding);
+  const double seen_N = given_N - command.moving_N - command.weight_N - command.pulse_N;
+  if (command.weight_N == 0.0) {  // the weight is in it, too, and changes with the place
+    beside_N_ += (seen_N - beside_N_) * dt / (kUnweighed_s + dt);
+    return;
+  }
   const bool away = std::abs(command.reference_m - position_m) > kPushed_m;
   settled_s_ = command.at_rest && (!away || settled_s_ >= kSettled_s) ? settled_s_ + dt : 0.0;
   pushed_s_ = away && settled_s_ >= kSettled_s ? kPushed_s : std::max(0.0, pushed_s_ - dt);
+  correct(command, seen_N, dt);
+}
+
+/// One step of the filter.
+void CarriedLoad::correct(const AxisCommand& command, double seen_N, double dt) noexcept {
+  const bool stands = command.at_rest;
+  if (stands) variance_ = std::max(variance_, kStanding);
   const double sense = stands ? 0.0 : std::clamp(command.reference_velocity / kFriction_m_per_s, -1.0, 1.0);
   const bool guided = !stands && command.reference_velocity == 0.0;
-  const double seen_N = given_N - command.moving_N - command.weight_N - command.pulse_N;
-  const double beside = variance_ + sense * covariance_, friction = covariance_ + sense * friction_variance_;
   const double standing = variance_ > kStanding || pushed_s_ > 0.0 ? kFirstNoise_s : kStandingNoise_s;
   const double noise = guided ? kGuidedNoise_s : stands ? standing : kNoise_s;
+  const double beside = variance_ + sense * covariance_, friction = covariance_ + sense * friction_variance_;
   const double spread = beside + sense * friction + noise / dt;
   const double error_N = seen_N - beside_N_ - sense * friction_N_;
   beside_N_ += beside / spread * error_N;

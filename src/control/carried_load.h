@@ -26,6 +26,8 @@ class CarriedLoad {
   double atRest_N() const noexcept;
 
  private:
+  void correct(const AxisCommand& command, double seen_N, double dt) noexcept;
+
   double lately_N_ = 0.0;
   double weight_N_ = 0.0;    // that the model foresees
   double beside_N_ = 0.0;    // that nobody foresaw

@@ -76,15 +76,17 @@ TEST(CarriedLoad, StaysWhenAPayloadIsDeclaredAndFollowsTheWeightOfAnotherPlace) 
   EXPECT_NEAR(axis.load.atRest_N(), before_N - 50.0, 3.0);
 }
 
-TEST(CarriedLoad, WithoutAModelIsWhatTheDriveGives) {
+/// Its weight changes with the place, and nobody foresees that.
+TEST(CarriedLoad, WithoutAModelFollowsWhatTheDriveGives) {
   AxisCommand command;
   CarriedLoad load;
   command.force_N = 120.0;
   load.begin(command);
   EXPECT_EQ(load.atRest_N(), 120.0);
-  for (int k = 0; k < 3000; ++k)
+  command.at_rest = false;
+  for (int k = 0; k < 1500; ++k)
     load.learn(command, 150.0, 0.0, kDt);
-  EXPECT_NEAR(load.atRest_N(), 150.0, 1.0);
+  EXPECT_NEAR(load.atRest_N(), 150.0, 2.0);
 }
 
 }  // namespace
