@@ -318,11 +318,13 @@ void AxesOutput::estimateLoad(const AxesMeasurement& measured, double dt) noexce
 }
 
 /// For the guardian, should this process die now: until the brakes hold, the platform would fall without. During a safe
-/// stop, too, as long as the drives have power; but not where no brake can be ordered any more and the platform moves:
-/// it would be pushed on blindly.
+/// stop, too, as long as the drives have power; but not where no brake can be ordered any more since the platform moved
+/// and no model says what it weighs there: it would be pushed on blindly.
 void AxesOutput::offerLoad() noexcept {
   const bool carries = out_.level == DriveLevel::Released && !safe_stop_.disablesDrive();
-  if (!carries || (outputs_refused_ && !lost_at_rest_)) return bus_.offerLoad(nullptr);
+  const bool known = lost_at_rest_ ||
+                     std::all_of(load_.begin(), load_.end(), [](const CarriedLoad& load) { return load.isWeighed(); });
+  if (!carries || (outputs_refused_ && !known)) return bus_.offerLoad(nullptr);
   AxisValues load{};
   for (std::size_t i = 0; i < hardware::kAxes; ++i)
     load[i] = clamped(voltsOf(load_[i].atRest_N(), i), i);

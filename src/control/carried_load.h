@@ -20,6 +20,8 @@ class CarriedLoad {
   /// One cycle of dt seconds in which the drive gave `given_N`, the axis was at `position_m`, and no brake carried.
   void learn(const AxisCommand& command, double given_N, double position_m, double dt) noexcept;
 
+  /// A model knows what it weighs here.
+  bool isWeighed() const noexcept { return weight_N_ != 0.0; }
   /// N, what the drive has given lately.
   double lately_N() const noexcept { return lately_N_; }
   /// N, what carries the axis at rest: what does so, if it has stood for a while.

@@ -1,5 +1,7 @@
 // What becomes of the platform when the controller dies: the guardian hands the load over to the brakes, and watches.
 #include "guarded_robot.h"
+#include "knee_robot/base/files.h"
+#include "test/temporary_folder.h"
 
 namespace knee_robot::control {
 namespace {
@@ -57,8 +59,36 @@ TEST(AControllerThatDies, IsCarriedAsLongAsTheCounterCardIsGone) {
   }
 }
 
-TEST(AControllerThatDies, IsNotPushedOnBlindlyWhereTheCounterCardWentInMotion) {
-  Guarded robot(true);
+/// What the controller held it with, told from friction, the guardian holds it with.
+TEST(AControllerThatDies, IsCarriedWhereTheCounterCardWentInMotion) {
+  double farthest = 0.0;
+  for (const double time_s : {0.3, 0.9, 1.6}) {
+    for (const double before_s : {0.02, 0.1, 0.5}) {
+      Guarded robot(true);
+      robot.swing();
+      robot.system->run(time_s);
+      const double height = robot.plant.state().pose[1];
+      robot.image.counter.disconnected.store(simulation::kCardGone);
+      robot.system->run(before_s);
+      for (int k = 0; k < 3000; ++k) {
+        robot.step();
+        farthest = std::max(farthest, std::abs(robot.plant.state().pose[1] - height));
+      }
+      EXPECT_TRUE(robot.guardian->report().acts.load()) << time_s << ", " << before_s;
+    }
+  }
+  std::printf("goes %.1f mm up or down at most\n", 1e3 * farthest);
+  EXPECT_LT(farthest, 0.012);
+}
+
+TEST(AControllerThatDies, IsNotPushedOnBlindlyWhereTheCardWentInMotionAndNoModelSaysWhatItWeighs) {
+  const TemporaryFolder folder;
+  const std::string known = "type: ModelFeedforward, ", deployment = folder + "/deployment.yaml";
+  std::string text = readFile(holding::file("config/deployment/simulation.yaml"));
+  ASSERT_NE(text.find(known), std::string::npos);
+  text.insert(text.find(known) + known.size(), "properties: {largest_share: 0}, ");
+  writeFileAtomically(deployment, text);
+  Guarded robot(true, deployment);
   robot.swing();
   robot.system->run(0.9);
   robot.image.counter.disconnected.store(simulation::kCardGone);
