@@ -6,6 +6,7 @@
 namespace knee_robot::control {
 namespace {
 constexpr double kAskAgain_s = 10.0;
+constexpr double kFindsMass_s = 0.1;
 constexpr double kCreep_m_per_s = 0.001, kCreepCounts = 2.5;  // slower is not told from the encoder's steps
 constexpr rt::Nanoseconds kCreepLook = 20'000'000;
 constexpr double kShareOfMean = 0.05, kDoubtful = 3.0;  ///< of one cycle: some 20 ms; five standard errors of +-2 mm
@@ -315,6 +316,24 @@ void AxesOutput::estimateLoad(const AxesMeasurement& measured, double dt) noexce
     load_[i].follow(commands_[i]);
     if (learns) load_[i].learn(commands_[i], out_.force_N[i], measured.position_m[i], dt);
   }
+  if (!learns || !all_closed_ || !isAtRest()) return;
+  const auto isPushed = [](const CarriedLoad& load) { return load.isPushed(); };
+  if (std::any_of(load_.begin(), load_.end(), isPushed))
+    std::for_each(load_.begin(), load_.end(), [](CarriedLoad& load) { load.learnAnew(); });
+  findMass(dt);
+}
+
+/// What nobody foresaw and the axes share as a mass on the platform does goes with the place as its weight does.
+void AxesOutput::findMass(double dt) noexcept {
+  double shared = 0.0, all = 0.0;
+  for (std::size_t i = 0; i < hardware::kAxes; ++i) {
+    shared += commands_[i].per_kg_N * load_[i].beside_N();
+    all += commands_[i].per_kg_N * commands_[i].per_kg_N;
+  }
+  if (!(all > 0.0)) return;
+  const double kg = shared / all * dt / (kFindsMass_s + dt);
+  for (std::size_t i = 0; i < hardware::kAxes; ++i)
+    load_[i].addMass(kg, commands_[i].per_kg_N);
 }
 
 /// For the guardian, should this process die now: until the brakes hold, the platform would fall without. During a safe

@@ -79,6 +79,7 @@ class AxesOutput : public rt::TaskContext {
   void writeVolts(const AxisValues& volts, rt::Nanoseconds now);
   void writeOutputs(rt::Nanoseconds now);
   void estimateLoad(const AxesMeasurement& measured, double dt) noexcept;
+  void findMass(double dt) noexcept;
   void offerLoad() noexcept;
   void testBrakes(AxisValues& volts) const noexcept;
 

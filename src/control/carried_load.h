@@ -20,7 +20,13 @@ class CarriedLoad {
   /// One cycle of dt seconds in which the drive gave `given_N`, the axis was at `position_m`, and no brake carried.
   void learn(const AxisCommand& command, double given_N, double position_m, double dt) noexcept;
 
-  /// A model knows what it weighs here.
+  /// A part of what nobody foresaw is the weight of so much more on the platform: the sum stays, and goes with the place.
+  void addMass(double kg, double per_kg_N) noexcept;
+  double beside_N() const noexcept { return beside_N_; }
+  /// At rest, away from where it had settled: another force carries it than before. What pushes one axis pushes all.
+  bool isPushed() const noexcept { return pushed_; }
+  void learnAnew() noexcept;
+  /// It is known what it weighs here: by a model, or from standing.
   bool isWeighed() const noexcept { return weight_N_ != 0.0; }
   /// N, what the drive has given lately.
   double lately_N() const noexcept { return lately_N_; }
@@ -36,6 +42,8 @@ class CarriedLoad {
   double friction_N_ = 0.0;  // likewise, in the direction of motion
   double variance_ = 0.0, friction_variance_ = 0.0, covariance_ = 0.0;
   double declared_N_ = 0.0;
+  double more_kg_ = 0.0;  // on the platform, that nobody declared
+  bool pushed_ = false;
   double stood_s_ = 0.0, settled_s_ = 0.0, pushed_s_ = 0.0;
 };
 

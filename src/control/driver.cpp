@@ -125,6 +125,7 @@ void Driver::readFeedforward(const rt::Cycle& cycle) noexcept {
   }
   out_.declared_N += goes_on ? model_force_.declared_N[index_] - declared_ : weight - out_.weight_N;
   out_.weight_N = weight;
+  out_.per_kg_N = alive ? model_force_.per_kg_N[index_] : 0.0;
   switched_ = model_force_.switched_N[index_];
   declared_ = model_force_.declared_N[index_];
   load_ = load;

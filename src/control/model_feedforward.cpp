@@ -166,7 +166,7 @@ void ModelFeedforward::drop() noexcept {
 void ModelFeedforward::forgetWeight() noexcept {
   for (std::size_t i = 0; i < hardware::kAxes; ++i)
     out_.declared_N[i] -= out_.weight_N[i];
-  out_.weight_N = AxisValues{};
+  out_.weight_N = out_.per_kg_N = AxisValues{};
   weighs_ = false;
 }
 
@@ -174,8 +174,10 @@ void ModelFeedforward::forgetWeight() noexcept {
 void ModelFeedforward::weigh(double before_kg) noexcept {
   const AxisValues before = weighs_ ? total({1.0, 0.0, 0.0, before_kg}, 1.0) : AxisValues{};
   out_.weight_N = total({1.0, 0.0, 0.0, weights_.payload_kg}, 1.0);
-  for (std::size_t i = 0; i < hardware::kAxes; ++i)
+  for (std::size_t i = 0; i < hardware::kAxes; ++i) {
     out_.declared_N[i] += out_.weight_N[i] - before[i];
+    out_.per_kg_N[i] = parts_.payload_gravity[static_cast<Eigen::Index>(i)];
+  }
   weighs_ = true;
 }
 

@@ -147,6 +147,7 @@ void members(const FeedforwardForce& v, Visit& visit) {
   visit("switched_N", v.switched_N);
   visit("weight_N", v.weight_N);
   visit("declared_N", v.declared_N);
+  visit("per_kg_N", v.per_kg_N);
   visit("loop_N", v.loop_N);
   visit("closes_loop", v.closes_loop);
   visit("payload_kg", v.payload_kg);
@@ -179,6 +180,7 @@ void members(const AxisCommand& v, Visit& visit) {
   visit("moving_N", v.moving_N);
   visit("weight_N", v.weight_N);
   visit("declared_N", v.declared_N);
+  visit("per_kg_N", v.per_kg_N);
   visit("reference_m", v.reference_m);
   visit("reference_velocity_m_per_s", v.reference_velocity);
   visit("homed", v.homed);

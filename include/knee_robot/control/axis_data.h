@@ -82,6 +82,7 @@ struct FeedforwardForce {
   AxisValues switched_N{};   ///< sum of all changes of force_N that are no change of the load, ever since the start
   AxisValues weight_N{};     ///< all that the model weighs here, whatever share of it is in force_N; 0: not known
   AxisValues declared_N{};   ///< sum of all changes of weight_N that are no change of the load, ever since the start
+  AxisValues per_kg_N{};     ///< of a point mass at the platform's origin, here; 0: not known
   AxisValues loop_N{};       ///< besides: feedback through the model (ControlLaw)
   bool closes_loop = false;  ///< loop_N takes the place of the Drivers' proportional and derivative terms
   double payload_kg = 0.0;   ///< declared
@@ -103,6 +104,7 @@ struct AxisCommand {
   double moving_N = 0.0;       ///< the part of that which is for the motion: gone when the axis rests
   double weight_N = 0.0;       ///< all that a model weighs at this place, foreseen or not; 0: not known
   double declared_N = 0.0;     ///< sum of the changes of weight_N that are no change of the load
+  double per_kg_N = 0.0;       ///< of a point mass at the platform's origin, here; 0: not known
   double reference_m = 0.0;
   double reference_velocity = 0.0;  ///< m/s
   bool homed = false;               ///< as ordered: the lengths mean something
