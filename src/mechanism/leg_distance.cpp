@@ -12,7 +12,7 @@ using PointByPose = Eigen::Matrix<double, 3, 4>;
 struct PointOfLeg {
   Vector3 at;  // m, base frame
   PointByPose by_pose;
-  double length_m;  // of the leg
+  double length_m = 0.0;  // of the leg
   Vector4 length_by_pose;
 };
 

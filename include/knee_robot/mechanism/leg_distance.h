@@ -6,7 +6,7 @@ namespace knee_robot::mechanism {
 
 /// What of two legs comes nearer when something between them becomes shorter.
 enum class BetweenLegs {
-  Lengths,    ///< the first one's length less the second's: a hose that hangs on both rods and ends on neither's side
+  Lengths,    ///< the first one's length less the second's: what runs along both, up one and down the other
   Cylinders,  ///< points of the lower parts, so far from the base joints
   Rods,       ///< points of the upper parts, so far below the platform joints
 };
