@@ -5,7 +5,7 @@
 
 namespace knee_robot::control {
 namespace {
-constexpr double kLately_s = 0.2, kWeight_s = 0.05, kUnweighed_s = 0.5;
+constexpr double kLately_s = 0.2, kWeight_s = 0.005, kUnweighed_s = 0.5;
 constexpr double kFriction_m_per_s = 0.002;  ///< reference velocity at which friction has its whole size
 /// Variances, in units of that which an axis leaves open that stands: friction, whose size is unknown, one way or the
 /// other.
