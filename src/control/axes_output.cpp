@@ -338,7 +338,7 @@ void AxesOutput::findMass(double dt) noexcept {
 
 /// For the guardian, should this process die now: until the brakes hold, the platform would fall without. During a safe
 /// stop, too, as long as the drives have power; but not where no brake can be ordered any more since the platform moved
-/// and no model says what it weighs there: it would be pushed on blindly.
+/// and nothing is known of its weight there: it would be pushed on blindly.
 void AxesOutput::offerLoad() noexcept {
   const bool carries = out_.level == DriveLevel::Released && !safe_stop_.disablesDrive();
   const bool known = lost_at_rest_ ||

@@ -40,6 +40,8 @@ void CarriedLoad::follow(const AxisCommand& command) noexcept {
 void CarriedLoad::learn(const AxisCommand& command, double given_N, double position_m, double dt) noexcept {
   lately_N_ += (given_N - command.pulse_N - lately_N_) * dt / (kLately_s + dt);
   stood_s_ = command.at_rest ? stood_s_ + dt : 0.0;
+  if (command.per_kg_N == 0.0) addMass(-more_kg_, per_kg_N_);  // nobody knows any more how it goes with the place
+  per_kg_N_ = command.per_kg_N;
   const double weight_N = command.weight_N + more_kg_ * command.per_kg_N;
   weight_N_ += (weight_N - weight_N_) * dt / (kWeight_s + dt);
   const double seen_N = given_N - command.moving_N - weight_N - command.pulse_N;

@@ -42,7 +42,7 @@ class CarriedLoad {
   double friction_N_ = 0.0;  // likewise, in the direction of motion
   double variance_ = 0.0, friction_variance_ = 0.0, covariance_ = 0.0;
   double declared_N_ = 0.0;
-  double more_kg_ = 0.0;  // on the platform, that nobody declared
+  double more_kg_ = 0.0, per_kg_N_ = 0.0;  // on the platform, that nobody declared; what a kilogram weighs here
   bool pushed_ = false;
   double stood_s_ = 0.0, settled_s_ = 0.0, pushed_s_ = 0.0;
 };

@@ -76,6 +76,27 @@ TEST(CarriedLoad, StaysWhenAPayloadIsDeclaredAndFollowsTheWeightOfAnotherPlace) 
   EXPECT_NEAR(axis.load.atRest_N(), before_N - 50.0, 3.0);
 }
 
+TEST(CarriedLoad, GoesWithThePlaceAsAMassDoesAndStaysWhenNobodyKnowsThePlaceAnyMore) {
+  LoadedAxis axis;
+  axis.command.per_kg_N = 5.0;
+  axis.stand(3.0, 0.0);
+  axis.load.addMass(8.0, 5.0);
+  axis.stand(0.1, 0.0);
+  EXPECT_NEAR(axis.load.beside_N(), 0.0, 0.5);
+  axis.command.at_rest = false;
+  axis.command.per_kg_N = 4.0;
+  axis.command.reference_velocity = 0.05;
+  for (int k = 0; k < 50; ++k)
+    axis.load.learn(axis.command, kWeight_N + 8.0 * 4.0, 0.0, kDt);
+  const double before_N = axis.load.atRest_N();
+  EXPECT_NEAR(before_N, kWeight_N + 32.0, 0.5);
+  axis.command.declared_N -= axis.command.weight_N;
+  axis.command.weight_N = axis.command.per_kg_N = 0.0;
+  axis.load.follow(axis.command);
+  axis.load.learn(axis.command, before_N, 0.0, kDt);
+  EXPECT_NEAR(axis.load.atRest_N(), before_N, 0.5);
+}
+
 /// Its weight changes with the place, and nobody foresees that.
 TEST(CarriedLoad, WithoutAModelFollowsWhatTheDriveGives) {
   AxisCommand command;

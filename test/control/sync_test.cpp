@@ -45,6 +45,13 @@ class SyncTest : public ::testing::Test {
     }
     sync.store().offer(ReferencePath::of(points));
   }
+  void playAsTheBrakesOpen() {
+    orders.level = DriveLevel::HeldByDrivers;
+    tick();
+    load(0.04, 2.0);
+    ++orders.play;
+    orders.level = DriveLevel::Released;
+  }
   const SetPoint& tick() {
     orders.time = now;  // the Supervisor runs after Sync: its newest orders are those of the last executed cycle
     if (orders_come) feed.orders.write(orders);
@@ -165,22 +172,14 @@ TEST_F(SyncTest, StopsByItselfWhenOrdersDoNotComeAnyMore) {
 }
 
 TEST_F(SyncTest, BeginsNoPathBeforeTheDriversHaveCarriedForAWhile) {
-  orders.level = DriveLevel::HeldByDrivers;
-  tick();
-  load(0.04, 2.0);
-  ++orders.play;
-  orders.level = DriveLevel::Released;
+  playAsTheBrakesOpen();
   for (int k = 0; k < 39; ++k)
     EXPECT_NE(tick().phase, SyncPhase::Playing) << k;
   EXPECT_EQ(tick().phase, SyncPhase::Playing);
 }
 
 TEST_F(SyncTest, PlaysNothingThatWasStoppedBeforeItBegan) {
-  orders.level = DriveLevel::HeldByDrivers;
-  tick();
-  load(0.04, 2.0);
-  ++orders.play;
-  orders.level = DriveLevel::Released;
+  playAsTheBrakesOpen();
   tick();
   orders.stop_path = true;
   for (int k = 0; k < 60; ++k)

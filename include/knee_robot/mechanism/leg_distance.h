@@ -15,7 +15,7 @@ enum class BetweenLegs {
 struct LegPair {
   int first = 0, second = 1;
   BetweenLegs between = BetweenLegs::Cylinders;
-  double at_m = 0.2;  ///< from the joints, along the legs; Lengths: not used
+  double at_m = 0.2;  ///< from the joints, along the legs: as trace and its models have it; Lengths: not used
 };
 
 /// A length that a pose decides, and its gradient (m/m, m/rad): the generalized force on the pose per newton that

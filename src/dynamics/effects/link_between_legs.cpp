@@ -7,15 +7,12 @@
 namespace knee_robot::dynamics {
 namespace {
 
-constexpr double kTiedAt_m = 0.2;  ///< from the joints, as trace has it
-
 /// A hose or a cable bundle between two legs: pulls beyond a length (side 1) or pushes below it (side -1), damps as long
 /// as it does, and rubs. Its state is the share of that friction, which comes up over a way after each reversal.
 class LinkBetweenLegs : public EffectLaw {
  public:
   explicit LinkBetweenLegs(const Shape& shape)
-      : pair_{whole(shape[0]) - 1, whole(shape[1]) - 1, static_cast<mechanism::BetweenLegs>(whole(shape[2])),
-              kTiedAt_m},
+      : pair_{whole(shape[0]) - 1, whole(shape[1]) - 1, static_cast<mechanism::BetweenLegs>(whole(shape[2]))},
         acts_from_m_(shape[3]),
         side_(std::copysign(1.0, shape[4])),
         rubs_over_m_(shape[5]) {}

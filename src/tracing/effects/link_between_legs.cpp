@@ -10,7 +10,6 @@ namespace {
 
 constexpr std::size_t kFirst = 0, kSecond = 1, kBetween = 2, kFrom = 3, kSideOfPull = 4,
                       kRubsOver = 5;  ///< in the shape
-constexpr double kTiedAt_m = 0.2;     ///< from the joints: to first order another place is another stiffness
 constexpr double kLongest_m = 3.0, kFromStep_m = 0.03;
 constexpr double kLeastWay_m = 2e-4, kUsualWay_m = 3e-3, kMostWay_m = 0.05, kWayFactor = 1.6;
 constexpr double kSlackShares[] = {0.25, 0.5, 0.75};  ///< of the samples, in which it hangs: beginnings of the search
@@ -23,7 +22,8 @@ struct Link {
 
 mechanism::LegPair pairOf(const std::vector<double>& shape) {
   const auto whole = [&](std::size_t k) { return static_cast<int>(std::lround(shape[k])); };
-  return {whole(kFirst) - 1, whole(kSecond) - 1, static_cast<mechanism::BetweenLegs>(whole(kBetween)), kTiedAt_m};
+  // Where along the legs it is tied is not searched: to first order another place is another stiffness.
+  return {whole(kFirst) - 1, whole(kSecond) - 1, static_cast<mechanism::BetweenLegs>(whole(kBetween))};
 }
 
 Link linkAlong(const EffectInput& input, const std::vector<double>& shape) {
