@@ -103,10 +103,10 @@ std::vector<FrictionBlock> sumsOfBase(const Equations& e, const InCoordinates& a
 }
 
 /// Those with candidates at the rows of one actuator, which start at `first`, in place of the coordinate `without` (-1:
-/// none).
+/// none). `mixing`: so many candidates may stand beside others.
 std::vector<FrictionBlock> sumsOfBlocks(const Equations& e, const InCoordinates& all,
                                         const std::vector<FrictionBlock>& base, Eigen::Index without,
-                                        const Eigen::MatrixXd& candidates, Eigen::Index first) {
+                                        const Eigen::MatrixXd& candidates, int mixing, Eigen::Index first) {
   std::vector<int> keep(static_cast<std::size_t>(all.x.cols()));
   std::iota(keep.begin(), keep.end(), 0);
   if (without >= 0) keep.erase(keep.begin() + without);
@@ -120,11 +120,11 @@ std::vector<FrictionBlock> sumsOfBlocks(const Equations& e, const InCoordinates&
     const Eigen::MatrixXd c = candidates(in_candidates, Eigen::all), own_x = all.x(own, keep);
     const Eigen::VectorXd own_y = all.y(own);
     const FrictionBlock& sums = base[static_cast<std::size_t>(block)];
-    Eigen::MatrixXd squares = Eigen::MatrixXd::Zero(c.cols(), c.cols());
-    squares.selfadjointView<Eigen::Lower>().rankUpdate(c.transpose());
+    Eigen::MatrixXd squares = Eigen::MatrixXd::Zero(mixing, mixing);
+    squares.selfadjointView<Eigen::Lower>().rankUpdate(c.leftCols(mixing).transpose());
     squares.triangularView<Eigen::StrictlyUpper>() = squares.transpose();
-    blocks.push_back({sums.base(keep, keep), own_x.transpose() * c, squares, sums.base_target(keep),
-                      c.transpose() * own_y, sums.target, sums.rows});
+    blocks.push_back({sums.base(keep, keep), own_x.transpose() * c, squares, c.colwise().squaredNorm().transpose(),
+                      sums.base_target(keep), c.transpose() * own_y, sums.target, sums.rows});
   }
   return blocks;
 }
@@ -145,16 +145,9 @@ std::vector<Eigen::MatrixXd> sharesOf(const std::vector<Observation>& training, 
   return shares;
 }
 
-/// Mean square on held-back rows of a law whose shares are given: only its size is fitted.
-double errorOfLaw(const InWeights& training, const InWeights& held, const Sum& law) {
-  InWeights one = training;
-  one.constant = 0.0;
-  one.linear.setZero();
-  const double square = one.at(law.which, law.weights);
-  double linear = 0.0;
-  for (std::size_t k = 0; k < law.which.size(); ++k)
-    linear += law.weights[static_cast<Eigen::Index>(k)] * training.linear[law.which[k]];
-  return held.at(law.which, std::max(0.0, linear / std::max(square, 1e-300)) * law.weights);
+/// Squares on held-back rows of a law whose shares are given: only its size is fitted.
+double leftByLaw(const InWeights& training, const FittedBase& fitted, const FrictionBlock& held_back, const Sum& law) {
+  return fitted.leftOn(held_back, law.which, std::max(0.0, training.along(law.which, law.weights)) * law.weights);
 }
 
 /// By which one family's held-back error is larger than another's, and how sure that is.
@@ -231,20 +224,21 @@ FrictionChoice chooseFrom(const std::vector<FrictionBlock>& blocks, const Eigen:
   Eigen::MatrixXd error(static_cast<Eigen::Index>(blocks.size()), families);
   Eigen::VectorXd share(error.rows());
   others.error.resize(error.rows(), static_cast<Eigen::Index>(laws.size()));
-  InWeights training, held;
+  InWeights training;
   for (Eigen::Index b = 0; b < error.rows(); ++b) {
     const FrictionBlock& out = blocks[static_cast<std::size_t>(b)];
     share[b] = out.rows / everything.rows;
-    eliminateBase(everything.minus(out), out, ridge, training, held);
+    const FittedBase fitted = eliminateBase(everything.minus(out), ridge, training);
     const std::vector<Sum> best = bestOfFamilies(training, elements, range);
     for (Eigen::Index f = 0; f < families; ++f) {
       const Sum& sum = best[static_cast<std::size_t>(f)];
-      error(b, f) = (sum.which.empty() ? held.constant : held.at(sum.which, sum.weights)) / std::max(1.0, out.rows);
+      error(b, f) = fitted.leftOn(out, sum.which, sum.weights) / std::max(1.0, out.rows);
     }
     for (std::size_t k = 0; k < laws.size(); ++k)
-      others.error(b, static_cast<Eigen::Index>(k)) = errorOfLaw(training, held, laws[k]) / std::max(1.0, out.rows);
+      others.error(b, static_cast<Eigen::Index>(k)) =
+          leftByLaw(training, fitted, out, laws[k]) / std::max(1.0, out.rows);
   }
-  eliminateBase(everything, everything, ridge, training, held);
+  eliminateBase(everything, ridge, training);
   return chosenOf(bestOfFamilies(training, elements, range), error, share, elements, others);
 }
 
@@ -267,7 +261,8 @@ std::vector<FrictionChoice> chooseFriction(const std::vector<Observation>& train
     const int i = static_cast<int>(axis);
     std::vector<FrictionElement> elements = elementsToTry(ranges[axis]);
     if (!around.empty()) addFinerSteps(around[axis], ranges[axis].narrowest_m, elements);
-    const std::vector<Sum> laws = inElements(shared, elements);
+    std::vector<Sum> laws = inElements(shared, elements);
+    const int mixing = mixingFirst(elements, laws);
     Eigen::MatrixXd candidates(each, static_cast<Eigen::Index>(elements.size()));
     for (std::size_t from = 0; from < elements.size(); from += kAtOnce) {
       const std::size_t count = std::min(kAtOnce, elements.size() - from);
@@ -287,8 +282,8 @@ std::vector<FrictionChoice> chooseFriction(const std::vector<Observation>& train
     }
     Eigen::VectorXd ridge = Eigen::VectorXd::Zero(all.x.cols() - (without >= 0 ? 1 : 0));
     ridge.tail(r.directions.cols()).setConstant(strength);
-    choices[axis] = chooseFrom(sumsOfBlocks(e, all, base, without, candidates, i * each), ridge, elements, ranges[axis],
-                               laws, others[axis]);
+    choices[axis] = chooseFrom(sumsOfBlocks(e, all, base, without, candidates, mixing, i * each), ridge, elements,
+                               ranges[axis], laws, others[axis]);
   });
   std::vector<double> narrowest_m;
   for (const FrictionRange& range : ranges)

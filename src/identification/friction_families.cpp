@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "friction_peak.h"
@@ -78,13 +79,6 @@ bool apart(const FrictionElement& a, const FrictionElement& b) {
   return a.kind == FrictionKind::Smooth ? far(a.speed_m_per_s, b.speed_m_per_s) : far(a.width_m, b.width_m);
 }
 
-/// A power of the velocity beside its tanh rises late and steeply, as Stribeck friction does: alone or not at all. So
-/// does a stop behind a clearance, which would mend the shape of any other a little; a ramp's corner; and the other shapes, which sums of tanh can be.
-bool mixes(const FrictionElement& e) {
-  return e.gap_m == 0.0 && e.lag_s == 0.0 && e.smooth == SmoothShape::Tanh &&
-         (e.kind != FrictionKind::Smooth || e.exponent == 1.0);
-}
-
 /// Friction that goes on growing with the speed, ever less: beside what builds up near rest.
 bool grows(const FrictionElement& e, const FrictionRange& range) {
   return e.kind == FrictionKind::Smooth && e.speed_m_per_s > 0.9 * kGrows * range.fastest_m_per_s;
@@ -93,16 +87,20 @@ bool grows(const FrictionElement& e, const FrictionRange& range) {
 /// `firsts`, `seconds`: in `elements`; the same vector for all pairs of these.
 Sum bestPair(const InWeights& squares, const std::vector<FrictionElement>& elements, const FrictionRange& range,
              const std::vector<int>& firsts, const std::vector<int>& seconds) {
-  Sum best;
+  double least = std::numeric_limits<double>::infinity();
+  std::vector<int> best;
   for (std::size_t i = 0; i < firsts.size(); ++i) {
     for (std::size_t j = &firsts == &seconds ? i + 1 : 0; j < seconds.size(); ++j) {
+      const double left = leftByPair(squares, firsts[i], seconds[j]);
+      if (!(left < least)) continue;
       const FrictionElement &a = elements[static_cast<std::size_t>(firsts[i])],
                             &b = elements[static_cast<std::size_t>(seconds[j])];
-      if (apart(a, b) && !(grows(a, range) && grows(b, range)))
-        keepBetter(best, tryThese(squares, {firsts[i], seconds[j]}));
+      if (!apart(a, b) || (grows(a, range) && grows(b, range))) continue;
+      least = left;
+      best = {firsts[i], seconds[j]};
     }
   }
-  return best;
+  return best.empty() ? Sum() : tryThese(squares, best);
 }
 
 /// Adds elements of these one after the other while that pays.
@@ -172,6 +170,29 @@ Sum spectrumOfSpeeds(const InWeights& squares, const std::vector<FrictionElement
 }
 
 }  // namespace
+
+bool mixes(const FrictionElement& e) {
+  return e.gap_m == 0.0 && e.lag_s == 0.0 && e.smooth == SmoothShape::Tanh &&
+         (e.kind != FrictionKind::Smooth || e.exponent == 1.0);
+}
+
+int mixingFirst(std::vector<FrictionElement>& elements, std::vector<Sum>& laws) {
+  std::vector<int> order(elements.size()), now(elements.size());
+  std::iota(order.begin(), order.end(), 0);
+  const auto end = std::stable_partition(order.begin(), order.end(),
+                                         [&](int k) { return mixes(elements[static_cast<std::size_t>(k)]); });
+  std::vector<FrictionElement> sorted;
+  for (const int k : order) {
+    now[static_cast<std::size_t>(k)] = static_cast<int>(sorted.size());
+    sorted.push_back(elements[static_cast<std::size_t>(k)]);
+  }
+  elements = std::move(sorted);
+  for (Sum& law : laws) {
+    for (int& k : law.which)
+      k = now[static_cast<std::size_t>(k)];
+  }
+  return static_cast<int>(end - order.begin());
+}
 
 std::vector<FrictionElement> elementsToTry(const FrictionRange& range) {
   const double narrowest_m = range.narrowest_m;

@@ -16,6 +16,15 @@ std::vector<dynamics::FrictionElement> elementsToTry(const FrictionRange& range)
 /// Finer steps around the shapes that an earlier choice found for single elements.
 void addFinerSteps(const FrictionChoice& around, double narrowest_m, std::vector<dynamics::FrictionElement>& all);
 
+/// May stand beside others in a law. A power of the velocity beside its tanh rises late and steeply, as Stribeck friction
+/// does: alone or not at all. So does a stop behind a clearance, which would mend the shape of any other a little; a
+/// ramp's corner; and the other shapes, which sums of tanh can be.
+bool mixes(const dynamics::FrictionElement& e);
+
+/// Puts those that mix first, the others after them, each in the order that they have; `laws` are of the same elements
+/// as before. Returns how many mix.
+int mixingFirst(std::vector<dynamics::FrictionElement>& elements, std::vector<Sum>& laws);
+
 /// Shape parameters of every family: one stop, tanh, Dahl's bristles, three other smooth laws, any bristles, all stops together (Maxwell slip),
 /// pairs, sums, all speeds of tanh together; a ramp; a tanh that lags; one rare element, a pair and a sum with one; a pair and a
 /// sum with a peak.
