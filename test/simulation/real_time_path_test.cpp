@@ -72,6 +72,7 @@ effects:
   - {name: external_force, start_s: 0.1, end_s: 0.2, force_N: [0, 0, -20], point_m: [0, 0, 0]}
   - {name: force_gain, factor: 0.95}
   - {name: drive_dead_zone, lost_N: 1}
+  - {name: idle_current_reduction, actuators: [4], cut: 0.1}
   - {name: force_offset, force_N: 2}
   - {name: delay, time_s: 0.002}
   - {name: drive_lag, time_constant_s: 0.003}

@@ -20,10 +20,14 @@ constexpr double kMotionSeconds = 12.0;
 constexpr int kActing = 1;
 constexpr double kActingSize_N = 5.0;  ///< rms of an effect
 constexpr double kRounding = 1e-12;    ///< of the columns of a leg that something else does not touch
-const std::set<std::string> kLeftOut = {
-    "external_force", "backlash",       "flexible_coupling", "gain_drift",           "drive_dead_zone",
-    "hanging_mass",   "sliding_mass",   "nonlinear_spring",  "passive_joint",        "payload_change",
-    "sensor_lag",     "stretch_reflex", "supply_sag",        "joint_stretch_reflex", "wobbling_mass"};
+const std::set<std::string> kLeftOut = {"external_force",    "backlash",
+                                        "flexible_coupling", "gain_drift",
+                                        "drive_dead_zone",   "hanging_mass",
+                                        "sliding_mass",      "nonlinear_spring",
+                                        "passive_joint",     "payload_change",
+                                        "sensor_lag",        "stretch_reflex",
+                                        "supply_sag",        "joint_stretch_reflex",
+                                        "wobbling_mass",     "idle_current_reduction"};
 
 /// Two recordings of training and another one of a machine that has the baseline alone; and everything that may be
 /// added to it.

@@ -4,13 +4,6 @@
 namespace knee_robot::tracing {
 namespace {
 
-const FoundEffect* found(const TracedCase& c, const std::string& name) {
-  for (const FoundEffect& e : c.result.effects) {
-    if (e.hypothesis.place.candidate->name() == name) return &e;
-  }
-  return nullptr;
-}
-
 /// Of legs 1 to 3: what leg 4 leaves is its stiction, seven times as much with nothing hidden.
 double legs(const Eigen::VectorXd& error_N) {
   return error_N.head(3).norm();

@@ -37,9 +37,24 @@ inline mechanism::Robot simulatedRobot() {
   return mechanism::configuredRobot("B");
 }
 
+constexpr int kWithStops = 100;  ///< added to a variant: along the same way, but standing for 1.5 s of every 4
+
+inline double smoothStep(double edge) {
+  return edge * edge * edge * (10.0 - 15.0 * edge + 6.0 * edge * edge);
+}
+
+/// How far along its way a reference with stops is.
+inline double withStops(double t_s) {
+  constexpr double kCycle_s = 4.0, kMoves_s = 2.5;
+  const double cycle = std::floor(t_s / kCycle_s);
+  return kMoves_s * (cycle + smoothStep(std::min(1.0, (t_s - cycle * kCycle_s) / kMoves_s)));
+}
+
 /// A reference of `seconds` along sines of the pose, at rest at both ends; `variant` makes another trajectory.
 inline trajectory::Reference sineReference(const mechanism::Robot& robot, int variant, double seconds) {
-  const double f = 1.0 + 0.23 * variant, p = 0.9 * variant;
+  const bool stops = variant >= kWithStops;
+  const double way = stops ? variant - kWithStops : variant;
+  const double f = 1.0 + 0.23 * way, p = 0.9 * way;
   const double center[] = {0.02, 0.78, 0.05, 0.0}, amplitude[] = {0.05, 0.06, 0.14, 0.12};
   const double hz[] = {0.11, 0.09, 0.13, 0.10};
   trajectory::Reference reference;
@@ -47,13 +62,13 @@ inline trajectory::Reference sineReference(const mechanism::Robot& robot, int va
   reference.points.resize(static_cast<Eigen::Index>(seconds / trajectory::kStreamPeriod), 4);
   for (Eigen::Index k = 0; k < reference.points.rows(); ++k) {
     const double t = trajectory::kStreamPeriod * static_cast<double>(k);
-    const double edge = std::min(1.0, std::min(t, seconds - t) / 3.0);
-    const double fade = edge * edge * edge * (10.0 - 15.0 * edge + 6.0 * edge * edge);
+    const double fade = smoothStep(std::min(1.0, std::min(t, seconds - t) / 3.0));
+    const double along = stops ? withStops(t) : t;
     mechanism::Pose pose;
     for (int i = 0; i < 4; ++i) {
       const double w = 2.0 * M_PI * hz[i] * f;
-      pose[i] =
-          center[i] + fade * amplitude[i] * (0.75 * std::sin(w * t + p + i) + 0.25 * std::sin(2.7 * w * t + 2.0 * p));
+      pose[i] = center[i] +
+                fade * amplitude[i] * (0.75 * std::sin(w * along + p + i) + 0.25 * std::sin(2.7 * w * along + 2.0 * p));
     }
     reference.points.row(k) = mechanism::legLengths(*robot.mechanism, pose).transpose();
   }
@@ -137,10 +152,10 @@ struct TracedCase {
   Eigen::VectorXd before_N, after_N;  ///< rms on the other path, all samples
 };
 
-/// `change` is applied to all recordings; `trained`: variants of sineReference, not 2.
+/// `change` is applied to all recordings; `trained`: variants of sineReference, not `validated`.
 inline TracedCase traceSimulated(
     const std::string& effects, const std::function<void(recording::Recording&)>& change = [](recording::Recording&) {},
-    const std::vector<int>& trained = {1}) {
+    const std::vector<int>& trained = {1}, int validated = 2) {
   constexpr double kSeconds = 30.0;
   const mechanism::Robot robot = simulatedRobot();
   TraceOptions options;
@@ -153,7 +168,7 @@ inline TracedCase traceSimulated(
     change(train.back());
     observed.push_back(identification::observe(robot, columns, train.back(), options.observation));
   }
-  recording::Recording second = simulatedRecording(robot, 2, kSeconds, effects);
+  recording::Recording second = simulatedRecording(robot, validated, kSeconds, effects);
   change(second);
   identification::Observation other = identification::observe(robot, columns, second, options.observation);
   TracedCase c;
@@ -168,6 +183,14 @@ inline TracedCase traceSimulated(
                        other, predictTraced(robot, c.result, other, -1, static_cast<int>(train.size())), cutoff_hz)})
           .rms_N;
   return c;
+}
+
+/// By this name; null: there is none.
+inline const FoundEffect* found(const TracedCase& c, const std::string& name) {
+  for (const FoundEffect& e : c.result.effects) {
+    if (e.hypothesis.place.candidate->name() == name) return &e;
+  }
+  return nullptr;
 }
 
 }  // namespace knee_robot::tracing
