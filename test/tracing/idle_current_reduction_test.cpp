@@ -64,7 +64,7 @@ TEST(Trace, NamesADriveThatCutsItsCurrentWhileItsAxisStands) {
       "  - {name: near_rest_friction, law: tanh, speed_m_per_s: 0.001}\n"  // stiction would hold what the drive does not
       "  - {name: idle_current_reduction, actuators: [4], cut: 0.15, after_s: 0.3}\n",
       [](recording::Recording&) {}, {kWithStops + 1}, kWithStops + 2);
-  const FoundEffect* idle = found(c, "idle_current_reduction");
+  const FoundEffect* idle = foundIn(c, "idle_current_reduction");
   ASSERT_NE(idle, nullptr);
   std::cout << "told more by " << idle->coefficients[0] << " of " << 1.0 / 0.85 - 1.0 << "; error " << c.before_N[3]
             << " -> " << c.after_N[3] << " N\n";

@@ -13,7 +13,7 @@ TEST(Trace, NamesAMassThatSwingsOnThePlatformAndItsFrequency) {
   const TracedCase c = traceSimulated(
       "  - {name: wobbling_mass, mass_kg: 6, frequency_Hz: 0.8, damping_ratio: 0.1, point_m: [0, 0, 0], "
       "direction: [1, 0, 0]}\n");
-  const FoundEffect* mass = found(c, "wobbling_mass");
+  const FoundEffect* mass = foundIn(c, "wobbling_mass");
   ASSERT_NE(mass, nullptr);
   std::cout << "error " << c.before_N.transpose() << " -> " << c.after_N.transpose() << " N; frequency "
             << mass->hypothesis.shape[0] << " Hz, mass " << mass->coefficients[0] << " kg\n";
@@ -25,7 +25,7 @@ TEST(Trace, NamesAMassThatSwingsOnThePlatformAndItsFrequency) {
 TEST(Trace, NamesAMassThatHangsFromThePlatformItsMassAndItsFrequency) {
   const TracedCase c = traceSimulated(
       "  - {name: hanging_mass, mass_kg: 15, length_m: 0.25, damping_ratio: 0.03, point_m: [0.05, 0.1, -0.05]}\n");
-  const FoundEffect* mass = found(c, "hanging_mass");
+  const FoundEffect* mass = foundIn(c, "hanging_mass");
   ASSERT_NE(mass, nullptr);
   const std::vector<double>& shape = mass->hypothesis.shape;
   std::cout << "error " << c.before_N.transpose() << " -> " << c.after_N.transpose() << " N; frequency " << shape[0]
@@ -38,7 +38,7 @@ TEST(Trace, NamesAMassThatHangsFromThePlatformItsMassAndItsFrequency) {
 
 TEST(Trace, NamesTheFrictionOfTheJointsAtTheBase) {
   const TracedCase c = traceSimulated("  - {name: base_joint_friction, coulomb_N_m: 2, viscous_N_m_s_per_rad: 1}\n");
-  const FoundEffect* friction = found(c, "base_joint_friction");
+  const FoundEffect* friction = foundIn(c, "base_joint_friction");
   ASSERT_NE(friction, nullptr);
   std::cout << friction->coefficients.transpose() << " N m, N m s/rad; error " << c.before_N.transpose() << " -> "
             << c.after_N.transpose() << " N\n";
@@ -49,7 +49,7 @@ TEST(Trace, NamesTheFrictionOfTheJointsAtTheBase) {
 
 TEST(Trace, NamesASupplyThatSagsWithAllDrives) {
   const TracedCase c = traceSimulated("  - {name: supply_sag, share: 0.4, half_at_N2: 20000, lag_s: 0.1}\n");
-  const FoundEffect* sag = found(c, "supply_sag");
+  const FoundEffect* sag = foundIn(c, "supply_sag");
   ASSERT_NE(sag, nullptr);
   std::cout << sag->coefficients[0] << " half at " << sag->hypothesis.shape[0] << " N^2, lag "
             << sag->hypothesis.shape[1] << " s, transfers " << sag->transfers << "; error " << c.before_N.transpose()
@@ -60,19 +60,19 @@ TEST(Trace, NamesASupplyThatSagsWithAllDrives) {
 TEST(Trace, TellsThatASupplyGivesTheDrivesWorkAsWell) {
   const TracedCase c =
       traceSimulated("  - {name: supply_sag, share: 0.6, half_at_N2: 100000, lag_s: 0.3, work_N2_per_W: 2000}\n");
-  const FoundEffect* sag = found(c, "supply_sag");
+  const FoundEffect* sag = foundIn(c, "supply_sag");
   ASSERT_NE(sag, nullptr);
   std::cout << "work " << sag->hypothesis.shape[2] << " N^2/W, lag " << sag->hypothesis.shape[1] << " s; error "
             << c.before_N.transpose() << " -> " << c.after_N.transpose() << " N\n";
   EXPECT_NEAR(sag->hypothesis.shape[2], 2000.0, 1000.0);
   EXPECT_NEAR(sag->hypothesis.shape[1], 0.3, 0.15) << "it counts the forces that are needed, not the larger commands";
-  EXPECT_EQ(found(c, "stretch_reflex"), nullptr) << "it passed for one before work was counted";
+  EXPECT_EQ(foundIn(c, "stretch_reflex"), nullptr) << "it passed for one before work was counted";
   EXPECT_LT(legs(c.after_N), 0.5 * legs(c.before_N));
 }
 
 TEST(Trace, NamesADriveThatGivesNothingForSmallCommands) {
   const TracedCase c = traceSimulated("  - {name: drive_dead_zone, actuators: [2], lost_N: 12}\n");
-  const FoundEffect* zone = found(c, "drive_dead_zone");
+  const FoundEffect* zone = foundIn(c, "drive_dead_zone");
   ASSERT_NE(zone, nullptr);
   std::cout << "lost " << zone->coefficients[0] << " N; error " << c.before_N[1] << " -> " << c.after_N[1] << " N\n";
   EXPECT_EQ(zone->hypothesis.place.actuator, 1);
@@ -83,7 +83,7 @@ TEST(Trace, NamesADriveThatGivesNothingForSmallCommands) {
 TEST(Trace, NamesASpringThatRelaxesAlongAnActuator) {
   const TracedCase c =
       traceSimulated("  - {name: viscoelastic_element, actuators: [2], stiffness_N_per_m: 400, relaxation_s: 2}\n");
-  const FoundEffect* element = found(c, "viscoelastic_element");
+  const FoundEffect* element = foundIn(c, "viscoelastic_element");
   ASSERT_NE(element, nullptr);
   std::cout << "error " << c.before_N[1] << " -> " << c.after_N[1] << " N; relaxes in " << element->hypothesis.shape[0]
             << " and " << element->hypothesis.shape[1] << " s\n";

@@ -186,7 +186,7 @@ inline TracedCase traceSimulated(
 }
 
 /// By this name; null: there is none.
-inline const FoundEffect* found(const TracedCase& c, const std::string& name) {
+inline const FoundEffect* foundIn(const TracedCase& c, const std::string& name) {
   for (const FoundEffect& e : c.result.effects) {
     if (e.hypothesis.place.candidate->name() == name) return &e;
   }
