@@ -3,7 +3,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 
-#include "knee_robot/dynamics/regressor.h"
+#include "knee_robot/dynamics/inverse_dynamics.h"
 #include "knee_robot/mechanism/leg_motion.h"
 #include "knee_robot/tracing/effect_input.h"
 
@@ -20,8 +20,8 @@ constexpr double kKnotsEvery_s = 0.04;  // until then the response changes nearl
 /// The model's load at one sample, and beside it.
 class LoadBeside {
  public:
-  LoadBeside(const EffectInput& in, const mechanism::Motion& motion)
-      : mechanism_(*in.robot->mechanism), gravity_(in.robot->gravity), inertial_(in.inertial), motion_(motion) {
+  LoadBeside(const dynamics::RigidModel& model, const mechanism::Motion& motion)
+      : model_(model), mechanism_(model.mechanism), motion_(motion) {
     const Matrix4 jacobian = mechanism::lengthJacobian(mechanism_, motion.pose);
     pose_per_length_ = jacobian.inverse();
     rate_ = jacobian * motion.pose_velocity;
@@ -56,21 +56,21 @@ class LoadBeside {
   }
 
  private:
-  bool loadOf(const mechanism::Motion& motion, Vector4& load) {
-    if (!dynamics::extendedRegressor(mechanism_, gravity_, motion, data_, regressor_)) return false;
-    load = regressor_.leftCols<dynamics::kInertialParameters>() * inertial_;
-    return load.allFinite();
+  bool loadOf(const mechanism::Motion& motion, Vector4& load) const {
+    return dynamics::inverseDynamics(model_, motion, load) && load.allFinite();
   }
 
+  const dynamics::RigidModel& model_;
   const mechanism::Mechanism& mechanism_;
-  const mechanism::Vector3 gravity_;
-  const Eigen::VectorXd& inertial_;
   const mechanism::Motion& motion_;
   Matrix4 pose_per_length_;
   Vector4 rate_, acceleration_;
-  dynamics::RegressorData data_;
-  dynamics::ExtendedRegressor regressor_;
 };
+
+/// The model's links, as the fit has them: whether or not a body could be like that.
+dynamics::RigidModel linksOf(const EffectInput& in) {
+  return {*in.robot->mechanism, in.robot->gravity, dynamics::InertialParameters(in.inertial)};
+}
 
 }  // namespace
 
@@ -82,11 +82,12 @@ Eigen::MatrixXd forceOrNone(Eigen::MatrixXd change) {
 
 void LengthResponse::calculate(const EffectInput& in) {
   stride_ = std::max(1, static_cast<int>(kKnotsEvery_s / in.signals().period_s));
+  const dynamics::RigidModel links = linksOf(in);
   knots_.resize(static_cast<std::size_t>((in.samples() - 1) / stride_) + 2);
   for (std::size_t k = 0; k < knots_.size(); ++k) {
     const std::size_t n = std::min(k * static_cast<std::size_t>(stride_), static_cast<std::size_t>(in.samples()) - 1);
     if (!in.observation->motion.pose_known[n]) continue;
-    LoadBeside load(in, in.observation->motion.motion[n]);
+    LoadBeside load(links, in.observation->motion.motion[n]);
     Knot& knot = knots_[k];
     Vector4 here, up, down;
     knot.known = load.here(here);
@@ -102,11 +103,12 @@ void LengthResponse::calculate(const EffectInput& in) {
 Eigen::MatrixXd LengthResponse::beyondFirstOrder(const EffectInput& in, const LengthPath& longer) {
   std::call_once(once_, [&] { calculate(in); });
   const auto lastly = static_cast<std::size_t>(in.samples()) - 1;
+  const dynamics::RigidModel links = linksOf(in);
   std::vector<Vector4> at_knot(knots_.size(), Vector4::Zero());
   for (std::size_t k = 0; k < knots_.size(); ++k) {
     const std::size_t n = std::min(k * static_cast<std::size_t>(stride_), lastly);
     if (!knots_[k].known) continue;
-    LoadBeside load(in, in.observation->motion.motion[n]);
+    LoadBeside load(links, in.observation->motion.motion[n]);
     const auto row = static_cast<Eigen::Index>(n);
     const Vector4 length = longer.length_m.row(row), rate = longer.rate.row(row),
                   acceleration = longer.acceleration.row(row);

@@ -15,6 +15,9 @@ struct BodyConstants {
 /// Constant description of the rigid robot for inverse and forward dynamics: geometry, gravity, inertias.
 struct RigidModel {
   RigidModel(const mechanism::Mechanism& mechanism, const mechanism::Vector3& gravity, const RobotInertia& inertia);
+  /// Links by their inertial parameters (parameters.h), whether or not a body could have them; without rotors.
+  RigidModel(const mechanism::Mechanism& mechanism, const mechanism::Vector3& gravity,
+             const InertialParameters& parameters);
 
   mechanism::Mechanism mechanism;
   mechanism::Vector3 gravity;                             ///< m/s^2, base frame
