@@ -66,14 +66,14 @@ foreach(room ${knee_rooms} nodes)
   endif()
 endforeach()
 
-# test/ROOM/NAME_test.py of what operators see and of reports: unit tests; they need neither a master nor a robot.
-file(GLOB page_tests RELATIVE ${PROJECT_SOURCE_DIR} CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/test/operator/*_test.py
-  ${PROJECT_SOURCE_DIR}/test/report/*_test.py)
-foreach(page_test ${page_tests})
-  get_filename_component(name ${page_test} NAME_WE)
-  get_filename_component(room ${page_test} DIRECTORY)
+# test/ROOM/NAME_test.py of what operators see, of reports and of this suite itself: unit tests; they need neither a master nor a robot.
+file(GLOB python_tests RELATIVE ${PROJECT_SOURCE_DIR} CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/test/operator/*_test.py
+  ${PROJECT_SOURCE_DIR}/test/report/*_test.py ${PROJECT_SOURCE_DIR}/test/suite/*_test.py)
+foreach(python_test ${python_tests})
+  get_filename_component(name ${python_test} NAME_WE)
+  get_filename_component(room ${python_test} DIRECTORY)
   get_filename_component(room ${room} NAME)
-  add_test(NAME ${room}_${name} COMMAND ${PROJECT_BINARY_DIR}/catkin_generated/env_cached.sh ${PYTHON_EXECUTABLE} ${PROJECT_SOURCE_DIR}/${page_test}
+  add_test(NAME ${room}_${name} COMMAND ${PROJECT_BINARY_DIR}/catkin_generated/env_cached.sh ${PYTHON_EXECUTABLE} ${PROJECT_SOURCE_DIR}/${python_test}
     --gtest_output=xml:${PROJECT_BINARY_DIR}/test_results/knee_robot/${room}-${name}.xml)
 endforeach()
 set_tests_properties(report_browser_test PROPERTIES ENVIRONMENT "KNEE_BUILD=${PROJECT_BINARY_DIR}")
@@ -86,7 +86,8 @@ set_tests_properties(fleet PROPERTIES ENVIRONMENT "KNEE_BUILD=${CMAKE_BINARY_DIR
 # compute-bound tests would measure those. They wait more than they compute: three on two processors, of which one identifies or draws, and
 # beside them the fleet's tests, which at first compute only when nothing else does (a processor is idle for the scheduler, and a robot
 # wakes there at once). scripts/test gives ctest three shares a processor and one more; what computes takes three of them, a rostest two,
-# the fleet's one.
+# the fleet's one. A virtual machine that has less than its processors loses one of them for 0.1 s at a time (18 times a minute were seen):
+# every rostest binds its robot, servo cycle and guardian to one processor (cpu:=), so that they stand still together.
 get_property(computing_tests DIRECTORY PROPERTY TESTS)
 list(REMOVE_ITEM computing_tests operator_browser_test report_browser_test fleet)
 set_tests_properties(${computing_tests} PROPERTIES PROCESSORS 3)

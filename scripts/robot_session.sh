@@ -1,16 +1,18 @@
 # Sourced by scripts that run the simulated robot under ROS: a master of their own, rviz on a screen of their own, services that
 # must succeed, and an end in any case. Needs common.sh and source_ros first.
 
-# start_robot FOLDER LAUNCH_ARGUMENT...: roslaunch simulation.launch with its logs in FOLDER.
+# start_robot FOLDER LAUNCH_ARGUMENT...: roslaunch simulation.launch with its logs in FOLDER. Robot, servo cycle and guardian share the first
+# processor: on a virtual machine that pauses the processors one at a time, each would call the others dead.
 start_robot() {
-  local folder=$1
+  local folder=$1 cpu
+  cpu=$(sed -n 's/^Cpus_allowed_list:[[:space:]]*\([0-9]*\).*/\1/p' /proc/self/status)
   shift
   mkdir -p "$folder"
   export ROS_HOME=$folder/ros ROS_LOG_DIR=$folder/ros/log
   local port
   port=$(free_port)
   export ROS_MASTER_URI=http://127.0.0.1:$port
-  roslaunch --port "$port" knee_robot simulation.launch "shm:=/knee_robot_$port" empty:=true "$@" > "$folder/roslaunch.log" 2>&1 &
+  roslaunch --port "$port" knee_robot simulation.launch "shm:=/knee_robot_$port" "cpu:=$cpu" empty:=true "$@" > "$folder/roslaunch.log" 2>&1 &
   ROBOT_PID=$!
   trap stop_robot EXIT
   local tries

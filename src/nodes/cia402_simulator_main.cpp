@@ -163,7 +163,7 @@ int simulate(const Options& options) {
   if (options.truth_rows > 0) truth.emplace(options.shm + "_truth", options.truth_rows);
   Simulation simulation(bus, port, drives, OrderedFaults(memory.image().faults, bus, port, drives),
                         truth ? &*truth : nullptr);
-  nodes::askForPriority("cia402_simulator", options.priority);
+  nodes::askForRealTime("cia402_simulator", options);
   std::printf("cia402_simulator ready: four drives on %s, robot in %s\n",
               (options.bus.empty() ? hardware.can->interface : options.bus).c_str(), options.shm.c_str());
   std::fflush(stdout);

@@ -93,7 +93,7 @@ int simulate(const nodes::SimulatorOptions& options) {
   simulation::RobotSimulation simulation(robot, inertia, parameters, memory.image());
   std::optional<simulation::TruthLog> truth;
   if (options.truth_rows > 0) truth.emplace(options.shm + "_truth", options.truth_rows);
-  nodes::askForPriority("simulated_robot", options.priority);
+  nodes::askForRealTime("simulated_robot", options);
   const mechanism::Lengths start = simulation.lengths();
   std::printf("simulated_robot ready: %s, lengths %.4f %.4f %.4f %.4f m\n", options.shm.c_str(), start[0], start[1],
               start[2], start[3]);

@@ -11,14 +11,14 @@ namespace knee_robot::nodes {
 struct SimulatorOptions {
   std::string robot, simulation, shm = "/knee_robot_sim";
   double duration_s = 0.0;
-  int priority = 0;
+  int priority = 0, cpu = -1;
   std::uint64_t truth_rows = 0;
 };
 
 /// `shm`: what the shared memory is for, as --help says it.
 void declareSimulator(CommandLine& app, const std::string& shm, SimulatorOptions& options);
 
-/// A real-time priority and locked memory are asked for, never needed: the robot is late without them, and says so.
-void askForPriority(const std::string& program, int priority);
+/// A processor, a real-time priority and locked memory are asked for, never needed: the robot is late without them, and says so.
+void askForRealTime(const std::string& program, const SimulatorOptions& options);
 
 }  // namespace knee_robot::nodes

@@ -47,7 +47,7 @@ class Guiding(unittest.TestCase):
         self.folder = pathlib.Path(temporary.name)
         model = identified(self.folder)
         with open(self.folder / "launch.log", "w", encoding="utf-8") as log:
-            self.launch = subprocess.Popen(["roslaunch", "knee_robot", "simulation.launch", "name:=A", "empty:=true", f"model:={model}", f"shm:={SHARED}",
+            self.launch = subprocess.Popen(["roslaunch", "knee_robot", "simulation.launch", "name:=A", "cpu:=0", "empty:=true", f"model:={model}", f"shm:={SHARED}",
                                             f"references:={self.folder}", f"recordings:={self.folder}"], stdout=log, stderr=subprocess.STDOUT)
         self.addCleanup(self.end)
         self.robot = RobotClient()

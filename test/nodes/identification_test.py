@@ -17,7 +17,7 @@ from actionlib_msgs.msg import GoalStatus
 from knee_robot.msg import IdentifyRecordingsAction, IdentifyRecordingsGoal
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
-from robot_client import has_result  # noqa: E402
+from robot_client import RobotClient, has_result  # noqa: E402
 
 
 def wait_until(condition, seconds, what):
@@ -36,7 +36,14 @@ class Identification(unittest.TestCase):
         for left in (cls.folder / "reports").glob("*"):  # by an earlier run: an output that exists is refused
             shutil.rmtree(left, ignore_errors=True)
         began = rospy.get_time()
-        wait_until(lambda: cls.report.exists() and cls.report.stat().st_mtime > began - 60, 420, "the report of identification.launch")
+        robot = RobotClient()
+
+        def is_reported():
+            state = robot.state()
+            assert state.state != "faulted", state.cause  # no report would come
+            return cls.report.exists() and cls.report.stat().st_mtime > began - 60
+
+        wait_until(is_reported, 420, "the report of identification.launch")
         cls.recordings = [p.name for p in sorted((cls.folder / "recordings").glob("excitation_*.csv"))][-2:]
         cls.near_rest = sorted(p.name for p in (cls.folder / "recordings").glob("near_rest_*.csv"))[-1]
         cls.client = actionlib.SimpleActionClient("identify_recordings", IdentifyRecordingsAction)

@@ -76,7 +76,7 @@ class LaunchFiles(unittest.TestCase):
             time.sleep(0.5)
 
     def test_a_movement_is_played_while_the_monitor_shows_it_and_the_end_is_no_fault(self):
-        self.session.launch("simulation.launch", "name:=A", "empty:=true", f"shm:=/knee_robot_launch_{os.getpid()}", *self.folders())
+        self.session.launch("simulation.launch", "name:=A", "cpu:=0", "empty:=true", f"shm:=/knee_robot_launch_{os.getpid()}", *self.folders())
         movements.write(self.folder / "references", "rise.txt", movements.rise(4.0))
         self.wait_for(lambda: self.session.run("rosservice", "call", "/controller/get_state").returncode == 0, 60, "no robot")
         self.session.launch("monitor.launch", "name:=A", "rviz:=false", "terminal:=true")

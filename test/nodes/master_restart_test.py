@@ -43,7 +43,7 @@ class MasterRestart(unittest.TestCase):
                                 ROS_HOME=str(self.folder / "ros"))
         self.processes = []
         self.start_master()
-        self.robot = self.start("roslaunch", "knee_robot", "simulation.launch", "name:=A", f"shm:={SHARED_MEMORY}",
+        self.robot = self.start("roslaunch", "knee_robot", "simulation.launch", "name:=A", "cpu:=0", f"shm:={SHARED_MEMORY}",
                                 f"references:={self.folder}", f"recordings:={self.folder}", "master_timeout_s:=1.0", "empty:=true")
 
     def tearDown(self):
