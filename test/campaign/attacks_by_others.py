@@ -20,7 +20,7 @@ from knee_robot.srv import CheckReference, LoadPatient, LoadReference
 
 import robot_path
 from attack import play_client
-from session import NoAnswer, is_alive
+from session import PROCESSOR, NoAnswer, is_alive
 
 PATIENT = ("patient: \"17\"\npose: {X_m: [-0.1, 0.1], Z_m: [0.3, 0.9], theta_deg: [-20, 20], psi_deg: [-20, 20]}\n"
            "speed: {linear_mm_per_s: 20, angular_deg_per_s: 2}\n")
@@ -29,7 +29,7 @@ PATIENT = ("patient: \"17\"\npose: {X_m: [-0.1, 0.1], Z_m: [0.3, 0.9], theta_deg
 def second_guardian(a, link, shm=None):
     s = a.session
     process = s.spawn("second_guardian", s.programs / "guardian", "--hardware", s.files["hardware"], "--shm", shm or s.shm, "--link", link,
-                      "--silence-ms", s.silence_ms, "--priority", 90 if s.real_time else 0)
+                      "--silence-ms", s.silence_ms, "--priority", 90 if s.real_time else 0, "--cpu", PROCESSOR)
     s.others.append(process)
     return process
 

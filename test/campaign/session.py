@@ -20,6 +20,8 @@ import truth
 
 ANSWER_S = 5.0
 START_S = 30.0
+# Of robot, servo cycle and guardian: on a virtual machine that pauses its processors one at a time, each would call the others dead.
+PROCESSOR = min(os.sched_getaffinity(0))
 
 
 class NoAnswer(Exception):
@@ -98,7 +100,7 @@ class Session:
 
     def guardian_command(self):
         return [self.programs / "guardian", "--hardware", self.files["hardware"], "--shm", self.shm, "--can", self.bus, "--link",
-                self.shm + "_guardian", "--silence-ms", self.silence_ms, "--priority", 90 if self.real_time else 0]
+                self.shm + "_guardian", "--silence-ms", self.silence_ms, "--priority", 90 if self.real_time else 0, "--cpu", PROCESSOR]
 
     def start_guardian(self):
         self.guardian = self.spawn("guardian", *self.guardian_command())
@@ -106,7 +108,7 @@ class Session:
     def controller_command(self, name="controller", program="campaign_controller"):
         parameters = {"robot": self.files["robot"], "hardware": self.files["hardware"], "deployment": self.files["deployment"],
                       "shm": self.shm, "guardian": self.shm + "_guardian", "references": self.references, "patients": self.references,
-                      "recordings": self.recordings, "can": self.bus, "master_timeout_s": 2.0, "empty": "true", **self.parameters}
+                      "recordings": self.recordings, "can": self.bus, "master_timeout_s": 2.0, "empty": "true", "cpu": PROCESSOR, **self.parameters}
         return [self.programs / program, f"__name:={name}"] + [f"_{key}:={value}" for key, value in parameters.items()]
 
     def start_controller(self):
@@ -121,7 +123,7 @@ class Session:
         drives = ("--hardware", self.files["hardware"], "--objects", self.files["objects"], "--bus", self.bus) if self.on_can else ()
         self.robot = self.spawn("robot", self.programs / ("cia402_simulator" if self.on_can else "simulated_robot"),
                                 "--robot", self.files["robot"], "--simulation", self.files["simulation"], "--shm", self.shm,
-                                "--truth-rows", 40000, "--priority", 70 if self.real_time else 0, *drives)
+                                "--truth-rows", 40000, "--priority", 70 if self.real_time else 0, "--cpu", PROCESSOR, *drives)
         self.wait_for_file("/dev/shm" + self.shm + "_truth", self.robot)
         self.truth = truth.TruthLog(self.shm)
         self.start_guardian()
