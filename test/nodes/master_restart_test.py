@@ -89,7 +89,7 @@ class MasterRestart(unittest.TestCase):
         self.assertTrue(self.call("start")["success"])
         time.sleep(1.0)
         before = robot_status()
-        self.assertEqual(15, before["drives_enabled"])
+        self.assertEqual(15, before["drives_enabled"], before)
 
         self.master.kill()
         self.master.wait()
