@@ -33,6 +33,9 @@ constexpr double kWorthALaw = 0.8;
 /// percent, and is wrong by a whole friction at rest; on the physical robots it leaves 0.97 or less.
 constexpr double kWorthALittle = 0.98;
 
+/// In rows of unit noise: an effect's size may change by about itself.
+constexpr double kSizeAsFound = 1.0;
+
 dynamics::FrictionLaw lawOf(const Sum& sum, const std::vector<FrictionElement>& elements) {
   std::vector<FrictionElement> chosen;
   for (std::size_t k = 0; k < sum.which.size(); ++k) {
@@ -75,6 +78,36 @@ InCoordinates inCoordinates(const Equations& e, const Reduction& r, const Eigen:
   for (Eigen::Index k = 0; k < basis.cols(); ++k)
     basis.col(k) = toParameters(r, Eigen::VectorXd::Unit(basis.cols(), k)) - r.start;
   return {factor.asDiagonal() * (e.a * basis), factor.cwiseProduct(e.b - e.a * r.start)};
+}
+
+/// What turns forces at rows into what chooseFriction compares.
+Eigen::VectorXd rowWeights(const Equations& e, const Eigen::VectorXd& noise_N, const Eigen::VectorXd& factor) {
+  Eigen::VectorXd weight(e.rows());
+  for (int row = 0; row < e.rows(); ++row) {
+    const int i = e.actuator[static_cast<std::size_t>(row)];
+    const bool rest = noise_N.size() > e.axes && e.rest[static_cast<std::size_t>(row)];
+    weight[row] = factor[row] / noise_N[i + (rest ? e.axes : 0)];
+  }
+  return weight;
+}
+
+/// Forces of effects that stand beside the model (Observation::beside_N) at all rows, in units of their noise.
+Eigen::MatrixXd besideAt(const std::vector<Observation>& training, const ObservationOptions& options,
+                         const Equations& e, const Eigen::VectorXd& row_weight) {
+  const std::size_t effects = training.front().beside_N.size();
+  Eigen::MatrixXd out(e.rows(), static_cast<Eigen::Index>(effects));
+  if (effects == 0) return out;
+  const Eigen::Index each = e.rows() / e.axes;
+  for (int i = 0; i < e.axes; ++i) {
+    std::vector<Eigen::MatrixXd> forces;
+    for (const Observation& o : training) {
+      forces.emplace_back(o.samples(), out.cols());
+      for (std::size_t k = 0; k < effects; ++k)
+        forces.back().col(static_cast<Eigen::Index>(k)) = o.beside_N[k].col(i);
+    }
+    out.middleRows(i * each, each) = atRows(training, options, e, i, std::move(forces));
+  }
+  return row_weight.asDiagonal() * out;
 }
 
 /// Rows of a block that lie in first .. first + count - 1.
@@ -250,8 +283,12 @@ std::vector<FrictionChoice> chooseFriction(const std::vector<Observation>& train
                                            const std::vector<FrictionRange>& ranges,
                                            const std::vector<FrictionChoice>& around) {
   const Eigen::VectorXd factor = restAsMotion(e, noise_N);
-  const InCoordinates all = inCoordinates(e, r, factor);
   const Eigen::Index each = e.rows() / e.axes;
+  const Eigen::VectorXd weight = rowWeights(e, noise_N, factor);
+  InCoordinates all = inCoordinates(e, r, factor);
+  const Eigen::MatrixXd beside = besideAt(training, options, e, weight);
+  all.x.conservativeResize(Eigen::NoChange, all.x.cols() + beside.cols());
+  all.x.rightCols(beside.cols()) = beside;
   std::vector<FrictionChoice> choices(static_cast<std::size_t>(e.axes));
   const std::vector<dynamics::FrictionLaw> shared =
       e.axes > 1 ? sharedLaws(around) : std::vector<dynamics::FrictionLaw>();
@@ -269,19 +306,15 @@ std::vector<FrictionChoice> chooseFriction(const std::vector<Observation>& train
       candidates.middleCols(static_cast<Eigen::Index>(from), static_cast<Eigen::Index>(count)) =
           atRows(training, options, e, i, sharesOf(training, axis, elements, from, count));
     }
-    Eigen::ArrayXd weight(each);
-    for (Eigen::Index row = 0; row < each; ++row) {
-      const bool rest = noise_N.size() > e.axes && e.rest[static_cast<std::size_t>(i * each + row)];
-      weight[row] = factor[i * each + row] / noise_N[i + (rest ? e.axes : 0)];
-    }
-    candidates.array().colwise() *= weight;
+    candidates.array().colwise() *= weight.segment(i * each, each).array();
     Eigen::Index without = -1;  // the coordinate of its own Coulomb friction
     for (std::size_t k = 0; k < r.kept.size(); ++k) {
       const Column& c = columns[static_cast<std::size_t>(r.kept[k])];
       if (c.role == ColumnRole::Coulomb && c.actuator == i) without = static_cast<Eigen::Index>(k);
     }
     Eigen::VectorXd ridge = Eigen::VectorXd::Zero(all.x.cols() - (without >= 0 ? 1 : 0));
-    ridge.tail(r.directions.cols()).setConstant(strength);
+    ridge.segment(ridge.size() - beside.cols() - r.directions.cols(), r.directions.cols()).setConstant(strength);
+    ridge.tail(beside.cols()).setConstant(kSizeAsFound);
     choices[axis] = chooseFrom(sumsOfBlocks(e, all, base, without, candidates, mixing, i * each), ridge, elements,
                                ranges[axis], laws, others[axis]);
   });

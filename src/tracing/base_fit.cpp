@@ -23,6 +23,7 @@ class WithoutEffects {
       recordings[r].friction_level = effects.level[r];
     for (std::size_t r = 0; r < effects.force_N.size(); ++r) {
       recorded_.push_back(recordings[r].force_filtered_N);
+      if (!effects.each_N.empty()) recordings[r].beside_N = effects.each_N[r];
       Eigen::MatrixXd low = effects.force_N[r];
       recording::ZeroPhaseLowPass(cutoff_hz, 1.0 / recordings[r].signals.period_s).applyToColumns(low);
       recordings[r].force_filtered_N -= low;
@@ -33,8 +34,10 @@ class WithoutEffects {
   ~WithoutEffects() {
     for (std::size_t r = 0; r < recorded_.size(); ++r)
       recordings_[r].force_filtered_N = std::move(recorded_[r]);
-    for (identification::Observation& o : recordings_)
+    for (identification::Observation& o : recordings_) {
       o.friction_level.resize(0, 0);
+      o.beside_N.clear();
+    }
   }
 
  private:

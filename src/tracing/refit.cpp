@@ -110,6 +110,7 @@ void refit(Search& s) {
 /// forces of all others.
 struct SplitEffects {
   Eigen::MatrixXd level, force_N;
+  std::vector<Eigen::MatrixXd> each_N;  ///< of each effect: what force_N is the sum of
 };
 
 /// Force of an effect along a recording, samples x axes.
@@ -123,7 +124,8 @@ Eigen::MatrixXd forceOf(const EffectInput& input, const Hypothesis& h, const Eig
 
 SplitEffects splitEffects(const EffectInput& input, const SurrogateModel& model) {
   SplitEffects out = {Eigen::MatrixXd::Ones(input.samples(), input.axes()),
-                      Eigen::MatrixXd::Zero(input.samples(), input.axes())};
+                      Eigen::MatrixXd::Zero(input.samples(), input.axes()),
+                      {}};
   EffectInput forward = input, still = input, back = input;
   forward.share.setOnes();
   still.share.setZero();
@@ -132,15 +134,18 @@ SplitEffects splitEffects(const EffectInput& input, const SurrogateModel& model)
     const auto force = [&](const EffectInput& in) { return forceOf(in, model.effects[k], model.coefficients[k]); };
     const Eigen::MatrixXd always = force(still), with = force(forward) - always, against = force(back) - always,
                           whole = force(input);
+    Eigen::MatrixXd own = Eigen::MatrixXd::Zero(input.samples(), input.axes());
     for (int i = 0; i < input.axes(); ++i) {
       const double size = with.col(i).norm();
       if (size == 0.0 || (with + against).col(i).norm() > kLinear * size) {  // no factor of the law
-        out.force_N.col(i) += whole.col(i);
+        own.col(i) = whole.col(i);
         continue;
       }
-      out.force_N.col(i) += always.col(i);
+      own.col(i) = always.col(i);
       out.level.col(i) += with.col(i) / std::max(kLeastCoulomb_N, input.coulomb_N[i]);
     }
+    out.force_N += own;
+    out.each_N.push_back(std::move(own));
   }
   out.level = out.level.cwiseMax(0.0);
   return out;
@@ -179,6 +184,7 @@ EffectsBeside besideOf(const Search& s) {
     SplitEffects split = splitEffects(input, now);
     beside.force_N.push_back(std::move(split.force_N));
     beside.level.push_back(std::move(split.level));
+    beside.each_N.push_back(std::move(split.each_N));
   }
   // A law keeps its peak, but beside friction it gets no new one, which would make up for what is wrong with that. Beside
   // an effect that makes friction larger near rest it would be the same thing in a coarser form.

@@ -28,6 +28,7 @@
 #include "settle_laws.h"
 #include "settle_lead.h"
 #include "surfaces.h"
+#include "taken_for.h"
 
 namespace knee_robot::tracing {
 namespace {
@@ -322,13 +323,11 @@ void Tracing::settle() {
     const std::string heat = settleHeat(s_, candidate.get());
     if (!heat.empty()) result_.notes.push_back(heat);
   }
+  preferSimpler(s_);
   settleLaws(s_, result_.baseline);
   dropImplausible(s_);
   dropUnsized(s_);
   explainAnew(s_);
-  for (FoundEffect& e : s_.effects) {
-    if (e.isOneOfMany()) e.verdict = "not separable from more than two other effects";
-  }
   for (auto& map : maps_)
     result_.candidates->push_back(std::move(map));
   if (robot_.chain) abstainElsewhere(s_, result_.notes);

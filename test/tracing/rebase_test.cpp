@@ -37,5 +37,22 @@ TEST_F(Rebase, LeavesABaselineAsItIsUntilItsEffectsChange) {
   EXPECT_EQ(base_.beside.without_peak, std::vector<char>({0, 0, 0, 0})) << "a gain is no friction";
 }
 
+/// Taken off as it was fitted beside another law, the effect would bring that law back.
+TEST_F(Rebase, FindsTheLawBesideAnEffectThatWasFittedBesideAnother) {
+  const dynamics::FrictionLaw right = base_.friction_laws[kActuator];
+  const Eigen::VectorXd right_N = search_.rms_N;
+  const Hypothesis drag = named("quadratic_drag", {});
+  has(drag, Eigen::VectorXd::Constant(1, 2000.0));
+  BaseFit other = base_;
+  other.friction_laws[kActuator] = dynamics::smoothLaw(8e-3);
+  adoptBase(search_, other);
+  find(drag);
+  ASSERT_GT(std::abs(search_.effects[0].coefficients[0] - 2000.0), 100.0);
+  rebase(search_);
+  EXPECT_EQ(base_.friction_laws[kActuator].elements[0].smooth, right.elements[0].smooth);
+  EXPECT_NEAR(search_.effects[0].coefficients[0], 2000.0, 60.0);
+  EXPECT_LT(search_.rms_N[kActuator], 1.05 * right_N[kActuator]);
+}
+
 }  // namespace
 }  // namespace knee_robot::tracing

@@ -64,6 +64,9 @@ struct Observation {
   std::vector<SlidingPath> sliding;  ///< per actuator: what Coulomb friction follows
   Eigen::MatrixXd
       friction_level;  ///< samples x actuators: factor of Coulomb friction that effects make known; empty: 1
+  /// Samples x actuators each: forces of effects, taken off already, whose sizes stay open while a law near rest is
+  /// chosen; empty: none.
+  std::vector<Eigen::MatrixXd> beside_N;
   std::vector<Eigen::MatrixXd> regressor;  ///< per actuator: samples x columns; Coulomb columns by setFriction
   Eigen::MatrixXd force_filtered_N;        ///< signals.force_N, low-passed
   double cutoff_hz = 0.0;                  ///< of that low-pass

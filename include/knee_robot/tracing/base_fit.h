@@ -13,6 +13,9 @@ struct EffectsBeside {
   std::vector<Eigen::MatrixXd> force_N;  ///< taken off the recorded force first
   std::vector<Eigen::MatrixXd> level;    ///< factors of Coulomb friction, which multiply what its law gives
   std::vector<char> without_peak;        ///< actuators whose law near rest gets no peak; empty: none
+  /// Per recording and effect: what force_N is the sum of. Their sizes are open while laws are chosen, or a law would be
+  /// chosen that keeps what another law made of them. Empty: they are known.
+  std::vector<std::vector<Eigen::MatrixXd>> each_N;
 };
 
 /// The baseline: rigid body, Coulomb and viscous friction, rotor and offset per actuator, with the law of friction near

@@ -34,6 +34,9 @@ class Candidate {
   /// Name of the simpler effect that is a special case of this one; this one must be clearly better to be preferred.
   /// Empty: none.
   virtual std::string generalizes() const { return {}; }
+  /// Name of a simpler effect on the same actuator that it can be taken for, if the law near rest beside it is not the
+  /// machine's own: that one is preferred where it does as well with a law of its own. Empty: none.
+  virtual std::string takenFor() const { return {}; }
   /// True: one set of coefficients acts on all actuators together (a spring at the platform).
   virtual bool shared() const { return false; }
   /// True: sits on one actuator and changes what the others carry, too (reach).

@@ -46,7 +46,6 @@ struct FoundEffect {
   double elsewhere_gaining =
       1.0;                ///< share of those stretches that gain, with all samples or while axes move, the less
   bool transfers = true;  ///< false: predicts nothing in other recordings
-  std::string verdict;    ///< one sentence
   double band_hz = 0.0;   ///< cut-off of the second band, when it was found there; 0: in the first
 
   /// Three names or more that the data do not tell apart are no attribution: reported as unnamed.

@@ -16,6 +16,8 @@ constexpr double kLeastExponent = 1.0, kMostExponent = 2.0;
 class Stribeck : public Candidate {
  public:
   std::string name() const override { return "stribeck"; }
+  /// Beside a law that rises too early or too late, and viscous friction, it bends as drag does.
+  std::string takenFor() const override { return "quadratic_drag"; }
   bool isFriction() const override { return true; }
   bool actsNearRest() const override { return true; }
   bool restsOnModel() const override { return false; }
