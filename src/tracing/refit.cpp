@@ -123,9 +123,8 @@ Eigen::MatrixXd forceOf(const EffectInput& input, const Hypothesis& h, const Eig
 }
 
 SplitEffects splitEffects(const EffectInput& input, const SurrogateModel& model) {
-  SplitEffects out = {Eigen::MatrixXd::Ones(input.samples(), input.axes()),
-                      Eigen::MatrixXd::Zero(input.samples(), input.axes()),
-                      {}};
+  SplitEffects out = {
+      Eigen::MatrixXd::Ones(input.samples(), input.axes()), Eigen::MatrixXd::Zero(input.samples(), input.axes()), {}};
   EffectInput forward = input, still = input, back = input;
   forward.share.setOnes();
   still.share.setZero();

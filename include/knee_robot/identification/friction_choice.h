@@ -44,8 +44,8 @@ struct FrictionChoice {
 /// squares with the prior of `strength`. Chosen is the simplest family within a quarter of a standard error of the
 /// best (a whole one where that is the spectrum); one with a clearance or relaxation only where it is surely better
 /// than all without. `equations`: weighted, their Coulomb columns set with `present` laws; other actuators keep theirs.
-/// `ranges`, one per actuator. `around`: an earlier choice, between whose shapes and their neighbours finer steps are
-/// tried too.
+/// Effects beside the model (Observation::beside_N) are open in their sizes. `ranges`, one per actuator. `around`: an
+/// earlier choice, between whose shapes and their neighbours finer steps are tried too.
 std::vector<FrictionChoice> chooseFriction(const std::vector<Observation>& training, const ObservationOptions& options,
                                            const std::vector<Column>& columns, const Equations& equations,
                                            const Eigen::VectorXd& noise_N, const Reduction& reduction, double strength,
