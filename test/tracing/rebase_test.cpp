@@ -43,9 +43,7 @@ TEST_F(Rebase, FindsTheLawBesideAnEffectThatWasFittedBesideAnother) {
   const Eigen::VectorXd right_N = search_.rms_N;
   const Hypothesis drag = named("quadratic_drag", {});
   has(drag, Eigen::VectorXd::Constant(1, 2000.0));
-  BaseFit other = base_;
-  other.friction_laws[kActuator] = dynamics::smoothLaw(8e-3);
-  adoptBase(search_, other);
+  rubBy(dynamics::smoothLaw(8e-3));
   find(drag);
   ASSERT_GT(std::abs(search_.effects[0].coefficients[0] - 2000.0), 100.0);
   rebase(search_);

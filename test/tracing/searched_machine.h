@@ -8,6 +8,7 @@
 
 #include "knee_robot/recording/filter.h"
 #include "src/tracing/near_rest.h"
+#include "src/tracing/refit.h"
 #include "test/identification/synthetic.h"
 
 namespace knee_robot::tracing {
@@ -66,6 +67,13 @@ class SearchedMachine : public testing::Test {
     newtons.noise_N.setOnes();
     data_.all_force_rows = forceRows(newtons, data_.recordings, data_.stack);
     setAttention(data_, Attention::All);
+  }
+
+  /// The model takes the actuator to rub by this law.
+  void rubBy(const dynamics::FrictionLaw& law) {
+    BaseFit other = base_;
+    other.friction_laws[kActuator] = law;
+    adoptBase(search_, other);
   }
 
   const mechanism::Robot robot_ = identification::syntheticRobot();

@@ -17,11 +17,6 @@ class SettleLaws : public SearchedMachine {
     search_.effects = {friction};
     refit(search_);
   }
-  void rubBy(const dynamics::FrictionLaw& law) {
-    BaseFit other = base_;
-    other.friction_laws[kActuator] = law;
-    adoptBase(search_, other);
-  }
 };
 
 TEST_F(SettleLaws, OfTheBaselineComeBackWhereTheChoiceBesideEffectsLeavesMore) {

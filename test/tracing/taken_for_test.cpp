@@ -20,11 +20,6 @@ class TakenFor : public SearchedMachine {
     search_.library = &library_;
     search_.options = &options_;
   }
-  void rubBy(const dynamics::FrictionLaw& law) {
-    BaseFit other = base_;
-    other.friction_laws[kActuator] = law;
-    adoptBase(search_, other);
-  }
   void find(const Hypothesis& hypothesis) {
     FoundEffect effect;
     effect.hypothesis = hypothesis;
