@@ -84,6 +84,7 @@ void preferSimpler(Search& s) {
     const std::vector<FoundEffect> before = s.effects;
     const BaseFit base = *s.base;
     const Eigen::VectorXd noise_N = s.rms_N;
+    rebase(s);  // both with laws of their own: shapes have been refined since these were chosen
     const Eigen::VectorXd with = heldBackInAll(s, noise_N);
     if (replaceBy(s, simpler) && holds(s, simpler)) {
       const HeldBackGain lost = heldBackGain(heldBackInAll(s, noise_N) - with);
