@@ -5,7 +5,7 @@ const axes = report.friction_near_rest.length;
 begin("Identified force model", `Robot ${report.robot}`, `${data.train.length} training and ${data.validate.length} validation recording(s)`,
   `rank ${report.rank.chosen}`);
 
-sentences("Doubts about the training recordings", report.doubts);
+sentences("Doubts about the recordings", report.doubts);
 heading("Errors");
 table(axesHead("", axes), [
   ...accuracyRows("Validation", report.after.validate),

@@ -5,7 +5,7 @@ const axes = report.friction_near_rest.length;
 
 begin("Traced residual", `Robot ${report.robot}`, `${data.train.length} training and ${data.validate.length} validation recording(s)`, `seed ${report.seed}`);
 add(element("p", { class: "verdict" }, `${report.outcome} ${report.verdict}`));
-sentences("Doubts about the training recordings", report.doubts);
+sentences("Doubts about the recordings", report.doubts);
 
 // Effects
 function parameterTexts(effect) {

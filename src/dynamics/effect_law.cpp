@@ -121,6 +121,7 @@ std::string whyNotInstantly(const std::string& name) {
   if (name == "drive_dead_zone")
     return "a command that jumps wherever the force changes its sign would make it chatter";
   if (name == "idle_current_reduction") return "the drive decides when it cuts its current; switch it off there";
+  if (name == "motor_saturation") return "a motor at its limit is not to be asked for more; take a larger one";
   if (name == "gain_drift") return "how warm the motors are is not known to the controller";
   if (name == "stretch_reflex" || name == "joint_stretch_reflex")
     return "it is the patient's and comes late; a controller that pushes on would answer it";

@@ -84,6 +84,11 @@ std::vector<char> ambiguousSamples(const mechanism::Mechanism& mechanism, double
   return ambiguous;
 }
 
+void warn(std::string sentence, Observation& o) {
+  o.notes.push_back(sentence);
+  o.warnings.push_back(std::move(sentence));
+}
+
 void noteAmbiguous(const std::vector<char>& ambiguous, double margin_m, Observation& o) {
   const auto first = std::find(ambiguous.begin(), ambiguous.end(), 1);
   if (first == ambiguous.end()) return;
@@ -91,12 +96,12 @@ void noteAmbiguous(const std::vector<char>& ambiguous, double margin_m, Observat
   const auto at = [&](std::vector<char>::const_iterator i) {
     return shortNumber(o.signals.time_s[static_cast<std::size_t>(i - ambiguous.begin())], 4) + " s";
   };
-  o.notes.push_back(
-      "Between " + at(first) + " and " + at(last) + ", at " + percent(share(ambiguous)) +
-      " of the samples, the lengths are within " + shortNumber(1e3 * margin_m) +
-      " mm of a singularity where two assembly modes meet: encoders cannot tell on which of them the robot "
-      "went on. They are masked until the lengths are twice as far away; what follows is taken to be the mode "
-      "before.");
+  warn("Between " + at(first) + " and " + at(last) + ", at " + percent(share(ambiguous)) +
+           " of the samples, the lengths are within " + shortNumber(1e3 * margin_m) +
+           " mm of a singularity where two assembly modes meet: encoders cannot tell on which of them the robot "
+           "went on. They are masked until the lengths are twice as far away; what follows is taken to be the mode "
+           "before.",
+       o);
 }
 
 /// Rows are judged where the samples nearest to them are.
@@ -118,14 +123,14 @@ void noteJumps(const mechanism::Robot& robot, Observation& o) {
   const std::string unit = mechanism::positionUnit(a);
   const auto text = [&](double value_m) { return shortNumber(value_m * a.position_per_m(), 3) + " " + unit; };
   const std::size_t others = o.signals.jumps.size() - 1;
-  o.notes.push_back("Line " + std::to_string(recording::Recording::line(jump.row)) + ": position_" +
-                    std::to_string(jump.axis + 1) + "_" + unit + " jumps by " + text(jump.step_m) + ", " +
-                    text(jump.m_per_s) + "/s where the limit is " + text(a.velocity_max_m_per_s) + "/s" +
-                    (jump.frozen_s > 0.0
-                         ? ", after " + shortNumber(jump.frozen_s, 3) + " s at exactly one value: it was frozen"
-                         : "") +
-                    (others > 0 ? " (and " + std::to_string(others) + " more such jump(s))" : "") +
-                    "; it is masked. Check the encoder: positions before and after may differ by as much.");
+  warn("Line " + std::to_string(recording::Recording::line(jump.row)) + ": position_" + std::to_string(jump.axis + 1) +
+           "_" + unit + " jumps by " + text(jump.step_m) + ", " + text(jump.m_per_s) + "/s where the limit is " +
+           text(a.velocity_max_m_per_s) + "/s" +
+           (jump.frozen_s > 0.0 ? ", after " + shortNumber(jump.frozen_s, 3) + " s at exactly one value: it was frozen"
+                                : "") +
+           (others > 0 ? " (and " + std::to_string(others) + " more such jump(s))" : "") +
+           "; it is masked. Check the encoder: positions before and after may differ by as much.",
+       o);
 }
 
 double usualSpeed(const recording::Signals& s, Eigen::Index actuator) {
@@ -168,13 +173,12 @@ void maskUnusable(const mechanism::Robot& robot, const ObservationOptions& optio
   o.clipped = clipped.where;
   o.saturated_share = leaveOut("a command at its limit", saturatedSamples(robot, clipped, o), reach);
   if (!o.clipped.empty())
-    o.notes.push_back(o.clipped +
-                      ", its own extreme, in many rows while it moves: it is cut off there, below the robot "
-                      "file's limit, and counts as a command at its limit.");
-  if (o.saturated_share > 0.0) {
-    o.notes.push_back("At " + percent(o.saturated_share) +
-                      " of the samples a command is at its limit; they are masked.");
-  }
+    warn(o.clipped +
+             ", its own extreme, in many rows while it moves: it is cut off there, below the robot "
+             "file's limit, and counts as a command at its limit.",
+         o);
+  if (o.saturated_share > 0.0)
+    warn("At " + percent(o.saturated_share) + " of the samples a command is at its limit; they are masked.", o);
   std::vector<char> ends(n, 0);
   std::fill_n(ends.begin(), edge, 1);
   std::fill_n(ends.rbegin(), edge, 1);

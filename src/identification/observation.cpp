@@ -89,6 +89,7 @@ Observation observe(const mechanism::Robot& robot, const std::vector<Column>& co
   }
   o.signals = recording::resample(recording, o.row_force_N, wanted);
   o.notes = o.signals.notes;
+  o.warnings = o.signals.warnings;
   noteJumps(robot, o);
   const std::unique_ptr<MotionModel> model = motionModelOf(robot);
   o.motion = model->follow(o.signals);
@@ -109,6 +110,15 @@ std::vector<Observation> observeAll(const mechanism::Robot& robot, const std::ve
                                     const ObservationOptions& options) {
   std::vector<Observation> all(recordings.size());
   inParallel(all.size(), [&](std::size_t k) { all[k] = observe(robot, columns, recordings[k], options); });
+  return all;
+}
+
+std::vector<std::string> warningsOf(const std::vector<Observation>& observations) {
+  std::vector<std::string> all;
+  for (const Observation& o : observations) {
+    for (const std::string& warning : o.warnings)
+      all.push_back(o.path + ": " + warning);
+  }
   return all;
 }
 

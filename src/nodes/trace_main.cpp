@@ -268,6 +268,10 @@ int run(const Arguments& a, const std::string& command_line) {
     r.result.notes.push_back(sentence);
   r.model = tracing::tracedModel(robot, r.result, r.train, r.options);
   applyModels(a, robot, train, validate, r);
+  for (const std::vector<identification::Observation>* const recorded : {&r.train, &r.validate}) {
+    const std::vector<std::string> warnings = identification::warningsOf(*recorded);
+    r.result.doubts.insert(r.result.doubts.end(), warnings.begin(), warnings.end());
+  }
   if (!r.validate.empty()) {
     const std::vector<std::string> doubts = identification::doubtsAboutValidation(
         robot, r.validate, r.validate_before.predictions, r.train_before.accuracy);

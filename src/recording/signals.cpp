@@ -141,6 +141,11 @@ void markUnknown(const std::vector<double>& time, double longest_s, const Eigen:
     s.known[i] = s.known[i] && !s.gap[i];
 }
 
+void warn(std::string sentence, Signals& s) {
+  s.notes.push_back(sentence);
+  s.warnings.push_back(std::move(sentence));
+}
+
 void noteTiming(const std::vector<double>& time, double period, int rows_left_out, Signals& s) {
   std::size_t late = 0;
   double longest = 0.0;
@@ -158,13 +163,10 @@ void noteTiming(const std::vector<double>& time, double period, int rows_left_ou
       " interval(s) longer than 1.5 periods, the longest " + shortNumber(1e3 * longest, 4) + " ms. Resampled to " +
       shortNumber(1.0 / s.period_s, 4) + " Hz (" + std::to_string(s.samples()) +
       " samples): positions by a cubic at their own times, commands averaged over the time they were held.");
-  if (rows_left_out > 0)
-    s.notes.push_back("The first " + std::to_string(rows_left_out) + " row(s) are stale and were left out.");
+  if (rows_left_out > 0) warn("The first " + std::to_string(rows_left_out) + " row(s) are stale and were left out.", s);
   const auto unknown = std::count(s.gap.begin(), s.gap.end(), 1);
-  if (unknown > 0) {
-    s.notes.push_back(percent(static_cast<double>(unknown) / s.samples()) +
-                      " of the samples lie in gaps and are not used.");
-  }
+  if (unknown > 0)
+    warn(percent(static_cast<double>(unknown) / s.samples()) + " of the samples lie in gaps and are not used.", s);
 }
 
 /// Smallest change between neighbouring rows of each axis: the encoder's step, where the motion is slow enough to show
@@ -199,8 +201,9 @@ void noteReferencesThatArePositions(const Recording& r, Signals& s) {
       actuators += (actuators.empty() ? "" : ", ") + std::to_string(i + 1);
   }
   if (actuators.empty()) return;
-  s.notes.push_back("Position and reference are the same in every row of actuator " + actuators +
-                    ": was the position measured, or one of the two columns exported twice?");
+  warn("Position and reference are the same in every row of actuator " + actuators +
+           ": was the position measured, or one of the two columns exported twice?",
+       s);
 }
 
 /// Why a recording has far fewer rows than its median interval promises: long gaps, or stamps that come in bursts.

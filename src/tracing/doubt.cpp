@@ -37,6 +37,28 @@ Eigen::VectorXd movingRms(const Search& s) {
   return (square.array() / count.array().max(1.0)).sqrt();
 }
 
+/// What encoders have lost for good is so much (m) that forces are those of another pose: 15 kg on legs half a metre
+/// long weigh half a newton less or more.
+constexpr double kLost_m = 1e-3;
+
+/// What speaks against every name where an axis is not where the recording says: empty where none is. A frozen encoder
+/// that goes on where the axis is by then has lost nothing.
+std::string lostPosition(const Search& s) {
+  for (const identification::Observation& o : s.data->recordings) {
+    Eigen::VectorXd lost_m = Eigen::VectorXd::Zero(s.data->stack.axes);
+    for (const recording::Jump& jump : o.signals.jumps)
+      lost_m[jump.axis] += jump.frozen_s > 0.0 ? 0.0 : jump.beyond_m;
+    Eigen::Index axis = 0;
+    const double most_m = lost_m.cwiseAbs().maxCoeff(&axis);
+    if (most_m > kLost_m)
+      return ": in " + o.name + " the position of actuator " + std::to_string(axis + 1) + " jumps by " +
+             shortNumber(1e3 * most_m, 3) +
+             " mm and does not come back: before or after it the robot is not where the model takes it to be, and what "
+             "was found may be that.";
+  }
+  return {};
+}
+
 /// What has a signature of its own, whatever else acts, and what is no name.
 bool isBeyondDoubt(const Candidate& c) {
   return c.isMap() || c.periodic() || c.local();
@@ -171,11 +193,17 @@ double floorsLeft(const Search& s, const Place& place, const Eigen::VectorXd& le
 void doubtNames(Search& s, std::vector<std::string>& notes) {
   const Eigen::VectorXd left_N = movingRms(s);
   const std::vector<FoundEffect> nameless = withoutName(s);
+  const std::string lost = lostPosition(s);
   for (FoundEffect& e : s.effects) {
     const Place& place = e.hypothesis.place;
     // Those of a given model were named where they were found.
     if (std::isnan(e.p)) continue;
     if (place.candidate->local()) doubtPush(s, e, notes);
+    if (!lost.empty() && !place.candidate->isMap()) {
+      e.probability = std::min(e.probability, kHarmful);
+      e.doubted = true;
+      notes.push_back(placeText(place) + lost);
+    }
     if (isBeyondDoubt(*place.candidate)) continue;
     std::vector<std::string> reasons;
     const double probability = doubtedProbability(s, nameless, e, left_N, reasons);

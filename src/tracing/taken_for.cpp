@@ -69,6 +69,7 @@ void noteReplaced(Search& s, const std::vector<FoundEffect>& before, const std::
   for (std::size_t k = 0; k < before.size(); ++k) {
     if (!isTakenFor(before[k], simpler)) continue;
     const std::string name = before[k].hypothesis.place.candidate->name();
+    s.effects[k].explained_rms_N = explainedBy(s, k);
     std::vector<std::string>& others = s.effects[k].indistinguishable_from;
     others.erase(std::remove(others.begin(), others.end(), simpler), others.end());
     if (lost.mean > kNotTold * lost.error) others.push_back(name);

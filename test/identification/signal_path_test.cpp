@@ -141,6 +141,13 @@ TEST(SignalPath, WhenTestPulsesTakeEverythingTheRefusalNamesThem) {
   }
 }
 
+TEST(SignalPath, ARecordingThatNothingIsWrongWithIsWarnedOfNothing) {
+  const mechanism::Robot robot = syntheticBench(2);
+  const std::vector<std::string> warnings =
+      warningsOf({observe(robot, columnsOf(robot), recordedAt(evenTimes()), IdentifyOptions().observation)});
+  EXPECT_TRUE(warnings.empty()) << warnings.front();
+}
+
 TEST(SignalPath, AJumpOfThePositionIsNamedAndMasked) {
   recording::Recording r = recordedAt(evenTimes());
   r.position_unit = {"m", "m"};
@@ -156,6 +163,11 @@ TEST(SignalPath, AJumpOfThePositionIsNamedAndMasked) {
     out.notes += note + "\n";
   expectNote(out, "Line 2502: position_1_m jumps by 0.049");
   expectNote(out, "where the limit is 0.5 m/s");
+  const std::vector<std::string> warnings = warningsOf(training);
+  ASSERT_EQ(warnings.size(), 2u);
+  EXPECT_NE(warnings[0].find("bench.csv: 0."), std::string::npos) << warnings[0];
+  EXPECT_NE(warnings[0].find("% of the samples lie in gaps"), std::string::npos) << warnings[0];
+  EXPECT_NE(warnings[1].find("bench.csv: Line 2502: position_1_m jumps by 0.049"), std::string::npos) << warnings[1];
   EXPECT_LT(out.share("gap"), 0.001);
   out.id = identify(robot, training, options);
   expectTruth(out, 3.0);

@@ -40,6 +40,17 @@ TEST(DriveEffects, ADeadZoneTakesAsMuchFromEveryCommandAndAllOfSmallOnes) {
   EXPECT_NEAR(bench.simulation().loads().motor_force[1], -34.0, kDacStep_N);
 }
 
+TEST(DriveEffects, ASaturatingMotorLosesAShareThatGrowsWithTheCommandAndNeverGivesLessForMore) {
+  EffectBench bench("{name: motor_saturation, actuators: [2], lost_at_100_N: 0.4}");
+  bench.push(mechanism::Vector4(100.0, 100.0, 4.0, -50.0), 0.01);
+  EXPECT_NEAR(bench.simulation().loads().motor_force[1], 60.0, kDacStep_N);
+  EXPECT_NEAR(bench.simulation().loads().motor_force[0], 100.0, kDacStep_N);
+  bench.push(mechanism::Vector4(0.0, -50.0, 0.0, 0.0), 0.01);
+  EXPECT_NEAR(bench.simulation().loads().motor_force[1], -40.0, kDacStep_N);
+  bench.push(mechanism::Vector4(0.0, 200.0, 0.0, 0.0), 0.01);
+  EXPECT_NEAR(bench.simulation().loads().motor_force[1], 62.5, kDacStep_N) << "the most that it gives, at 125 N";
+}
+
 TEST(DriveEffects, ADriveCutsItsCurrentOnceTheAxisHasStoodForAWhile) {
   EffectBench bench("{name: idle_current_reduction, actuators: [2], cut: 0.2, after_s: 0.3, time_constant_s: 0.05}");
   const mechanism::Vector4 held = bench.weight();  // friction holds what leg 2 loses

@@ -73,6 +73,7 @@ effects:
   - {name: force_gain, factor: 0.95}
   - {name: drive_dead_zone, lost_N: 1}
   - {name: idle_current_reduction, actuators: [4], cut: 0.1}
+  - {name: motor_saturation, lost_at_100_N: 0.02}
   - {name: force_offset, force_N: 2}
   - {name: delay, time_s: 0.002}
   - {name: drive_lag, time_constant_s: 0.003}

@@ -72,6 +72,26 @@ TEST_F(Doubt, IsCastOnASwingingMassThatNobodyHas) {
   EXPECT_NE(notes_[0].find("larger than anything of this name"), std::string::npos) << notes_[0];
 }
 
+TEST_F(Doubt, IsCastOnAllThatIsFoundWhereAnEncoderHasLostMillimetresForGood) {
+  recording::Jump lost;
+  lost.axis = 1;
+  lost.beyond_m = 0.01;
+  std::vector<recording::Jump>& jumps = data_.recordings[0].signals.jumps;
+  jumps = {lost};
+  for (const char* name : {"stribeck", "screw_ripple"})
+    EXPECT_TRUE(said(name, 1.0).doubted) << name;
+  ASSERT_EQ(notes_.size(), 1u);
+  EXPECT_NE(notes_[0].find("the position of actuator 2 jumps by 10 mm and does not come back"), std::string::npos)
+      << notes_[0];
+  recording::Jump back = lost;
+  back.beyond_m = -0.0101;
+  jumps.push_back(back);
+  EXPECT_FALSE(said("stribeck", 1.0).doubted) << "it came back";
+  jumps = {lost};
+  jumps[0].frozen_s = 2.0;
+  EXPECT_FALSE(said("stribeck", 1.0).doubted) << "a frozen encoder goes on where the axis is";
+}
+
 TEST_F(Doubt, IsAlwaysCastOnAStretchReflexWhichManyThingsLookLike) {
   EXPECT_TRUE(said("stretch_reflex", 1.0).doubted);
   ASSERT_EQ(notes_.size(), 1u);

@@ -27,6 +27,9 @@ class IdleCurrentReduction : public testing::Test {
       if (n % 300 < 100) s.velocity_m_per_s(n, 0) = 0.02;
     }
     s.force_N = s.position_m = Eigen::MatrixXd::Zero(300 * times, 1);
+    input_.friction_position_m.resize(300 * times, 1);
+    for (int n = 0; n < 300 * times; ++n)
+      input_.friction_position_m(n, 0) = kPeriod_s * s.velocity_m_per_s.topRows(n).sum();
     input_.needed_N = Eigen::MatrixXd::Constant(300 * times, 1, 100.0);
   }
   const Candidate& idle() const {
@@ -57,6 +60,17 @@ TEST_F(IdleCurrentReduction, TakesNothingInMotionAndComesUpAfterAWhileOfRest) {
   EXPECT_NEAR(taken[168], 100.0 * (1.0 - std::exp(-1.0)), 3.0) << "a time constant after 0.5 s";
   EXPECT_GT(taken[299], 99.0);
   EXPECT_LT(taken[330], 6.0) << "0.3 s of motion later";
+}
+
+TEST_F(IdleCurrentReduction, IsNotToldFromWhatFrictionHoldsBeforeAnAxisFirstMovesButIsPredictedThere) {
+  stopAndGo(3);
+  observation_.signals.velocity_m_per_s.topRows(100).setZero();
+  input_.friction_position_m.topRows(300).setZero();
+  const std::vector<double> shape = {0.002, 0.5, 0.2};
+  EXPECT_EQ(idle().columns(input_, 0, shape)(250, 0), 0.0);
+  EXPECT_GT(idle().columns(input_, 0, shape)(590, 0), 90.0) << "the next rest";
+  input_.recording = -1;
+  EXPECT_GT(idle().columns(input_, 0, shape)(250, 0), 99.0);
 }
 
 TEST(Trace, NamesADriveThatCutsItsCurrentWhileItsAxisStands) {

@@ -27,7 +27,8 @@ const std::set<std::string> kLeftOut = {"external_force",    "backlash",
                                         "passive_joint",     "payload_change",
                                         "sensor_lag",        "stretch_reflex",
                                         "supply_sag",        "joint_stretch_reflex",
-                                        "wobbling_mass",     "idle_current_reduction"};
+                                        "wobbling_mass",     "idle_current_reduction",
+                                        "motor_saturation"};
 
 /// Two recordings of training and another one of a machine that has the baseline alone; and everything that may be
 /// added to it.

@@ -80,6 +80,18 @@ TEST(Trace, NamesADriveThatGivesNothingForSmallCommands) {
   EXPECT_LT(c.after_N[1], 0.6 * c.before_N[1]);
 }
 
+TEST(Trace, NamesAMotorThatSaturates) {
+  const TracedCase c = traceSimulated("  - {name: motor_saturation, actuators: [4], lost_at_100_N: 0.12}\n");
+  const FoundEffect* saturation = foundIn(c, "motor_saturation");
+  ASSERT_NE(saturation, nullptr);
+  std::cout << "told more by " << saturation->coefficients[0] << " at 100 N, power " << saturation->hypothesis.shape[0]
+            << "; error " << c.before_N[3] << " -> " << c.after_N[3] << " N\n";
+  EXPECT_EQ(saturation->hypothesis.place.actuator, 3);
+  // 100 N = u - 0.0012 / N u^2: u = 116 N
+  EXPECT_NEAR(saturation->coefficients[0], 0.16, 0.05);
+  EXPECT_LT(c.after_N[3], 0.6 * c.before_N[3]);
+}
+
 TEST(Trace, NamesASpringThatRelaxesAlongAnActuator) {
   const TracedCase c =
       traceSimulated("  - {name: viscoelastic_element, actuators: [2], stiffness_N_per_m: 400, relaxation_s: 2}\n");

@@ -24,6 +24,7 @@ class TakenFor : public SearchedMachine {
     FoundEffect effect;
     effect.hypothesis = hypothesis;
     effect.p = 0.004;
+    effect.explained_rms_N = Eigen::VectorXd::Constant(data_.stack.axes, 1e3);
     search_.effects = {effect};
     refit(search_);
   }
@@ -46,6 +47,7 @@ TEST_F(TakenFor, FrictionThatFallsOffBesideAWrongLawGivesWayToDragWithTheRightOn
   EXPECT_EQ(found(), "quadratic_drag");
   EXPECT_NEAR(search_.effects[0].coefficients[0], kDrag, 0.05 * kDrag);
   EXPECT_LT(search_.rms_N[kActuator], 1.1 * right_N[kActuator]);
+  EXPECT_LT(search_.effects[0].explained_rms_N[kActuator], 100.0) << "what it explains is said of it, not of the other";
   ASSERT_EQ(search_.taken_out.size(), 1u);
   EXPECT_NE(search_.taken_out[0].find("stribeck on actuator 2: quadratic_drag explains"), std::string::npos)
       << search_.taken_out[0];

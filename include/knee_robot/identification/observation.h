@@ -81,6 +81,7 @@ struct Observation {
   std::string clipped;      ///< where a force is cut off below its limit (clipped_force.h); empty: nowhere
   std::vector<Mask> masks;  ///< why samples are left out, and how many
   std::vector<std::string> notes;
+  std::vector<std::string> warnings;  ///< those of the notes that say what to look at where the recording was made
 
   int samples() const { return signals.samples(); }
   bool isJudged(int n) const { return judged.empty() || judged[static_cast<std::size_t>(n)]; }
@@ -88,6 +89,9 @@ struct Observation {
   int judgedRows() const;
   int axes() const { return static_cast<int>(signals.position_m.cols()); }
 };
+
+/// What recordings are warned of, each sentence behind its file.
+std::vector<std::string> warningsOf(const std::vector<Observation>& observations);
 
 /// Rows of a matrix that are judged; all of them where `judged` is empty.
 Eigen::MatrixXd judgedOnly(const std::vector<char>& judged, const Eigen::MatrixXd& values);

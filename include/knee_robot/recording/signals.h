@@ -47,7 +47,8 @@ struct Signals {
   /// Of an encoder's step: what rounding leaves in position_m, from peak to peak (six standard deviations of white
   /// rounding noise after the low-pass; at least a quarter, because a filtered staircase overshoots; at most one).
   double rounding_left = 1.0;
-  std::vector<std::string> notes;  ///< what was done, one sentence each, for the report
+  std::vector<std::string> notes;     ///< what was done, one sentence each, for the report
+  std::vector<std::string> warnings;  ///< those of the notes that say what to look at where the recording was made
 
   int samples() const { return static_cast<int>(time_s.size()); }
 };

@@ -75,7 +75,8 @@ struct TraceResult {
   std::string presliding;  ///< where the baseline's laws near rest have it surely, with the laws; empty: nowhere
   std::string stiction;    ///< the same of a peak near rest
   std::vector<std::string> rejected;  ///< what came close, and why it was not added
-  std::vector<std::string> doubts;    ///< whether the baseline describes the training recordings at all
+  std::vector<std::string>
+      doubts;  ///< whether the baseline describes the training recordings at all; what those are warned of
   std::vector<std::string> notes;
   std::vector<PlaceAngles> angles;  ///< of all named candidates, along the training recordings
   PayloadTest payload;              ///< against the URDF's inertia; its sentence is among `absorbed`

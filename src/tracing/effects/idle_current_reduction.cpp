@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/first_settled.h"
 #include "knee_robot/tracing/candidate.h"
 
 namespace knee_robot::tracing {
@@ -85,6 +86,8 @@ class IdleCurrentReduction : public Candidate {
       idle = settled + (idle - settled) * std::exp(-period_s / (cut ? shape[2] : kComesBack_s));
       out(n, 0) *= idle;
     }
+    // What friction holds until an axis first moves is nobody's evidence.
+    if (input.recording >= 0) out.topRows(firstSettled(input, actuator)).setZero();
     return out;
   }
 };

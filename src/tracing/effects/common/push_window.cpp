@@ -9,20 +9,6 @@ namespace {
 /// Until then friction still has what nobody recorded in its memory: a short push that begins there is none.
 constexpr double kSettled_s = 0.5, kLong_s = 2.0;
 
-constexpr double kForgotten_m = 3e-4;  ///< that friction's memory takes to be lost: more than most bristles give
-constexpr double kMoves_m = 3.0 * kForgotten_m;
-
-/// The first sample at which the actuator has moved, 0 when it never does: before it its force at rest has what nobody
-/// recorded in its memory.
-int firstSettled(const EffectInput& input, int actuator) {
-  const auto q = input.friction_position_m.col(actuator);
-  if (q.maxCoeff() - q.minCoeff() < kMoves_m) return 0;
-  int n = 0;
-  while (std::abs(q[n] - q[0]) < kForgotten_m)
-    ++n;
-  return n;
-}
-
 bool isTold(const std::vector<double>& shape) {
   return shape[1] >= kSettled_s || (shape[1] >= 0.0 && shape[2] >= kLong_s);
 }
