@@ -85,7 +85,9 @@ std::string frictionText(const std::vector<FrictionLaw>& laws, const std::string
     y += "  - {actuator: " + std::to_string(i + 1) + ", elements: [";
     for (int k = 0; k < laws[i].count; ++k)
       y += (k > 0 ? ", " : "") + elementYaml(laws[i].elements[static_cast<std::size_t>(k)], laws[i].revolute);
-    y += "]}\n";
+    y += "]";
+    if (laws[i].at_start != 0.0) y += ", at_start: " + exactNumber(laws[i].at_start);
+    y += "}\n";
   }
   return y;
 }
@@ -113,10 +115,12 @@ std::vector<FrictionLaw> readFriction(StrictMap& file, const std::string& key, i
       entry.refuse("elements", "must be 1 to " + std::to_string(kMostFrictionElements) +
                                    " elements whose shares add up to 1 (they add up to " + shortNumber(sum) + ")");
     }
+    const double at_start = entry.numberOr("at_start", 0.0, -1.0, 1.0);
     entry.finish();
     FrictionLaw law;  // as written: lawOf would bring the shares to their sum again, and lose a bit
     law.count = static_cast<int>(elements.size());
     law.revolute = turns;
+    law.at_start = at_start;
     std::copy(elements.begin(), elements.end(), law.elements.begin());
     if (peakOf(law) > kMostPeak)
       entry.refuse("elements", "take away " + shortNumber(peakOf(law), 3) +

@@ -97,7 +97,8 @@ double lagging(const FrictionElement& e, double displacement_m, double duration_
 }  // namespace
 
 bool FrictionLaw::operator==(const FrictionLaw& o) const {
-  return count == o.count && std::equal(elements.begin(), elements.begin() + count, o.elements.begin());
+  return count == o.count && at_start == o.at_start &&
+         std::equal(elements.begin(), elements.begin() + count, o.elements.begin());
 }
 
 FrictionLaw stopLaw(double width_m) {
@@ -152,13 +153,14 @@ const char* smoothName(SmoothShape shape) {
 }
 
 std::string describe(const FrictionLaw& law) {
-  if (law.count == 1) return elementText(law.elements.front(), law.revolute);
   std::string text;
   for (int k = 0; k < law.count; ++k) {
     const FrictionElement& e = law.elements[static_cast<std::size_t>(k)];
-    text += (k > 0 ? " + " : "") + elementText(e, law.revolute) + " (" + shortNumber(100.0 * e.share, 3) + " %)";
+    text += (k > 0 ? " + " : "") + elementText(e, law.revolute);
+    if (law.count > 1) text += " (" + shortNumber(100.0 * e.share, 3) + " %)";
   }
-  return text;
+  if (law.at_start == 0.0) return text;
+  return text + ", bent by " + shortNumber(100.0 * law.at_start, 2) + " % of it when a recording begins";
 }
 
 double FrictionState::step(const FrictionLaw& law, double displacement_m, double duration_s,

@@ -261,6 +261,10 @@ void chooseLaws(std::vector<Observation>& training, const IdentifyOptions& optio
     stage = solveStage(equations, stage.noise_N, setting, strength);
     stage = solveStage(equations, noiseAfter(equations, stage.parameters), setting, strength);
   }
+  findLoadedStart(id.columns, stage.parameters, options.observation.cutoff_hz, training);
+  const std::vector<double> starts = usualStart(training);
+  for (std::size_t i = 0; i < id.model.friction.size(); ++i)
+    id.model.friction[i].at_start = ofThoseThatRemember(id.model.friction[i], starts[i]);
   forgetLoadedStart(training);  // parameters are fitted as recordings are predicted
   useLaws();
 }

@@ -12,6 +12,13 @@ namespace knee_robot::identification {
 void findLoadedStart(const std::vector<Column>& columns, const Eigen::VectorXd& parameters, double cutoff_hz,
                      std::vector<Observation>& training);
 
+/// The share per actuator that training recordings began with, where two or more tell it and agree: every one of them is
+/// nearer to the mean of the others than to nothing. 0 elsewhere.
+std::vector<double> usualStart(const std::vector<Observation>& training);
+
+/// The same of a law's elements that remember, which hold all of it: for FrictionLaw::at_start.
+double ofThoseThatRemember(const dynamics::FrictionLaw& law, double share);
+
 /// Takes it out again.
 void forgetLoadedStart(std::vector<Observation>& training);
 

@@ -65,9 +65,13 @@ SlidingPath slidingPath(const Eigen::VectorXd& position, const Eigen::VectorXd& 
   path.resolution = resolution;
   path.position = path.measured = refined(position, velocity, period_s);
   path.period_s = period_s;
-  const Eigen::Index soon = std::min<Eigen::Index>(
-      path.position.size(), 1 + static_cast<Eigen::Index>(SlidingPath::kAtOnce_s / period_s * SlidingPath::kSubsteps));
-  path.moves_at_start = ((path.position.head(soon).array() - path.position[0]).abs() > resolution).any();
+  const auto strays = [&](double within_s, double by) {
+    const Eigen::Index soon = std::min<Eigen::Index>(
+        path.position.size(), 1 + static_cast<Eigen::Index>(within_s / period_s * SlidingPath::kSubsteps));
+    return ((path.position.head(soon).array() - path.position[0]).abs() > by).any();
+  };
+  path.moves_at_start = strays(SlidingPath::kAtOnce_s, resolution);
+  path.stands_at_start = !strays(SlidingPath::kStands_s, std::max(SlidingPath::kStill, resolution));
   std::vector<Eigen::Index> turns = turningPoints(path.position, resolution, path.first_direction);
   turns.push_back(path.position.size() - 1);
   int direction = path.first_direction;
@@ -130,7 +134,7 @@ Eigen::VectorXd fineShare(const SlidingPath& path, const dynamics::FrictionLaw& 
   Eigen::VectorXd sum = Eigen::VectorXd::Zero(path.position.size());
   for (int k = 0; k < law.count; ++k) {
     const dynamics::FrictionElement& e = law.elements[static_cast<std::size_t>(k)];
-    sum += e.share * elementAlong(path, e, path.shareAtStart(e.width_m));
+    sum += e.share * elementAlong(path, e, path.shareAtStart(e.width_m, law.at_start));
   }
   return sum;
 }

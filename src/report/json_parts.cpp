@@ -65,6 +65,7 @@ Json frictionJson(const std::vector<dynamics::FrictionLaw>& laws) {
       elements.push_back(element);
     }
     list.push_back({{"law", dynamics::nameOf(law)}, {"in_words", dynamics::describe(law)}, {"elements", elements}});
+    if (law.at_start != 0.0) list.back()["at_start"] = law.at_start;
   }
   return list;
 }

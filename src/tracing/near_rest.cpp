@@ -23,7 +23,8 @@ void updateNearRest(Search& s) {
   s.near_rest = Eigen::MatrixXd::Zero(p * data.stack.axes, data.stack.axes * static_cast<Eigen::Index>(laws.size()));
   Eigen::Index at = 0;
   for (int i = 0; i < data.stack.axes; ++i) {
-    for (const dynamics::FrictionLaw& law : laws) {
+    for (dynamics::FrictionLaw law : laws) {
+      law.at_start = s.base->friction_laws[static_cast<std::size_t>(i)].at_start;
       std::vector<Eigen::MatrixXd> columns;
       for (std::size_t r = 0; r < data.recordings.size(); ++r)
         columns.push_back(identification::frictionShare(data.recordings[r].sliding[static_cast<std::size_t>(i)], law) -

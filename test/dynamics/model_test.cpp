@@ -206,6 +206,18 @@ TEST(ModelFile, KeepsEverySmoothShape) {
     EXPECT_TRUE(read.friction[i] == m.friction[i]) << i;
 }
 
+TEST(ModelFile, KeepsWhatFrictionHoldsWhenARecordingBeginsAndRefusesMoreThanAllOfIt) {
+  Model m = someModel(parallelRobot(), 2);
+  m.friction[2].at_start = -0.61;
+  const std::string text = modelToYaml(m);
+  EXPECT_TRUE(parseModel(text, "m.yaml").friction[2] == m.friction[2]);
+  EXPECT_NE(describe(m.friction[2]).find("bent by -61 % of it when a recording begins"), std::string::npos)
+      << describe(m.friction[2]);
+  std::string more = text;
+  more.replace(more.find("at_start: -0.61"), 15, "at_start: -1.61");
+  EXPECT_THROW((void)parseModel(more, "m.yaml"), InputError);
+}
+
 TEST(ModelFile, KeepsAnExponentAndRefusesItBesideCreep) {
   const mechanism::Robot robot = parallelRobot();
   Model m = someModel(robot, 2);

@@ -197,6 +197,28 @@ TEST(LawNearRestOfARecordingThatBeganLoaded, IsPredictedOnAnotherMotion) {
   const Identification id = identify(robot, train, options);
   const double error = applyModel(id.model, robot, other, options.observation.cutoff_hz).accuracy.rms_N[0];
   EXPECT_LT(error, 0.02 * kCoulomb_N) << dynamics::describe(id.model.friction[0]);
+  EXPECT_EQ(id.model.friction[0].at_start, 0.0) << "training does not agree";
+}
+
+TEST(LawNearRestOfARecordingThatBeginsAsThoseOfTraining, IsPredictedFromItsFirstSample) {
+  const OwnLaw law = ownLaws()[1];
+  const mechanism::Robot robot = syntheticBench(1);
+  IdentifyOptions options;
+  options.uncertainty = false;
+  const auto begunWith = [&](int variant, double load) {
+    return observe(robot, columnsOf(robot), ownRecording(robot, law, variant, 20.0, 2.0, {load * 20e-6, load * 400e-6}),
+                   options.observation);
+  };
+  std::vector<Observation> train = {begunWith(0, -0.7), begunWith(2, -0.5)}, other = {begunWith(1, -0.6)};
+  const Identification id = identify(robot, train, options);
+  EXPECT_NEAR(id.model.friction[0].at_start, -0.6, 0.05);
+  const auto error = [&](const dynamics::Model& model) {
+    return applyModel(model, robot, other, options.observation.cutoff_hz).accuracy.rms_N[0];
+  };
+  EXPECT_LT(error(id.model), 0.02 * kCoulomb_N) << dynamics::describe(id.model.friction[0]);
+  dynamics::Model without = id.model;
+  without.friction[0].at_start = 0.0;
+  EXPECT_GT(error(without), 0.1 * kCoulomb_N);
 }
 
 TEST(ViscousFriction, ThatGrowsAsTheRootOfTheSpeedIsPredictedOnAnotherMotion) {

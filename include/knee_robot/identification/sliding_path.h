@@ -26,6 +26,9 @@ struct SlidingPath {
   double period_s = 0.01;       ///< of the samples
   bool moves_at_start = false;  ///< it has left where it was within kAtOnce_s
   static constexpr double kAtOnce_s = 0.1;
+  /// It is within kStill of where it was for kStands_s, whatever it trembles.
+  bool stands_at_start = false;
+  static constexpr double kStands_s = 0.2, kStill = 1e-5;  ///< the latter in the position's unit, or `resolution`
   int first_direction = 0;  ///< of the first movement that the encoders tell; 0: there is none
   double resolution = 0.0;  ///< in the position's unit: shorter ways back are not told apart from rounding
   static constexpr int kSubsteps = 4;
@@ -38,8 +41,11 @@ struct SlidingPath {
   /// friction that builds up over less than the encoders tell has done so; of other friction nothing is known, and it is
   /// zero.
   double usualShareAtStart(double width) const { return moves_at_start && width < resolution ? first_direction : 0.0; }
-  /// The share that is known, or else that one.
-  double shareAtStart(double width) const { return loaded_at_start ? *loaded_at_start : usualShareAtStart(width); }
+  /// The share that is known, or else that one, or what a law says of recordings that begin at rest.
+  double shareAtStart(double width, double of_law = 0.0) const {
+    if (loaded_at_start) return *loaded_at_start;
+    return of_law != 0.0 && stands_at_start ? of_law : usualShareAtStart(width);
+  }
 };
 
 /// From uniformly sampled positions and velocities (a cubic between neighbours), `period_s` apart. `resolution`: see
