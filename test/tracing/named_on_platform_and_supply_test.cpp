@@ -1,4 +1,6 @@
 // What acts on the platform or on all drives together is named on the simulated robot.
+#include <cmath>
+
 #include "test/tracing/simulated_recordings.h"
 
 namespace knee_robot::tracing {
@@ -81,15 +83,16 @@ TEST(Trace, NamesADriveThatGivesNothingForSmallCommands) {
 }
 
 TEST(Trace, NamesAMotorThatSaturates) {
-  const TracedCase c = traceSimulated("  - {name: motor_saturation, actuators: [4], lost_at_100_N: 0.12}\n");
+  const TracedCase c = traceSimulated("  - {name: motor_saturation, actuators: [2], lost_at_100_N: 0.25}\n");
   const FoundEffect* saturation = foundIn(c, "motor_saturation");
   ASSERT_NE(saturation, nullptr);
-  std::cout << "told more by " << saturation->coefficients[0] << " at 100 N, power " << saturation->hypothesis.shape[0]
-            << "; error " << c.before_N[3] << " -> " << c.after_N[3] << " N\n";
-  EXPECT_EQ(saturation->hypothesis.place.actuator, 3);
-  // 100 N = u - 0.0012 / N u^2: u = 116 N
-  EXPECT_NEAR(saturation->coefficients[0], 0.16, 0.05);
-  EXPECT_LT(c.after_N[3], 0.6 * c.before_N[3]);
+  EXPECT_EQ(saturation->hypothesis.place.actuator, 1);
+  // 50 N = u - 0.0025 / N u^2: u = 58.6 N
+  const double told_more_at_50_N = saturation->coefficients[0] * std::pow(0.5, saturation->hypothesis.shape[0] - 1.0);
+  std::cout << "told more by " << told_more_at_50_N << " at 50 N; error " << c.before_N[1] << " -> " << c.after_N[1]
+            << " N\n";
+  EXPECT_NEAR(told_more_at_50_N, 0.172, 0.04);
+  EXPECT_LT(c.after_N[1], 0.8 * c.before_N[1]);  // without it leg 2 leaves as much as legs 1 and 3
 }
 
 TEST(Trace, NamesASpringThatRelaxesAlongAnActuator) {
