@@ -57,7 +57,7 @@ std::vector<double> usualStart(const std::vector<Observation>& training) {
     const bool agree = std::all_of(starts.begin(), starts.end(), [&](double start) {
       return std::abs(start - (sum - start) / (count - 1.0)) < std::abs(start);
     });
-    if (agree && std::abs(sum) > kLeastStart * count) usual[i] = sum / count;
+    if (agree && std::abs(sum) > kLeastStart * count) usual[i] = sum / (count + 1.0);
   }
   return usual;
 }

@@ -13,7 +13,8 @@ void findLoadedStart(const std::vector<Column>& columns, const Eigen::VectorXd& 
                      std::vector<Observation>& training);
 
 /// The share per actuator that training recordings began with, where two or more tell it and agree: every one of them is
-/// nearer to the mean of the others than to nothing. 0 elsewhere.
+/// nearer to the mean of the others than to nothing. Of it the share with which a further one does so, by Laplace's rule of
+/// succession: n of n + 1. 0 elsewhere.
 std::vector<double> usualStart(const std::vector<Observation>& training);
 
 /// The same of a law's elements that remember, which hold all of it: for FrictionLaw::at_start.

@@ -20,10 +20,10 @@ double usual(const std::vector<std::optional<double>>& starts) {
   return usualStart(training)[0];
 }
 
-TEST(UsualStart, IsTheMeanOfRecordingsThatAgree) {
-  EXPECT_DOUBLE_EQ(usual({0.5, 0.7}), 0.6);
-  EXPECT_DOUBLE_EQ(usual({-0.5, -0.6, -0.4}), -0.5);
-  EXPECT_DOUBLE_EQ(usual({0.5, std::nullopt, 0.7}), 0.6) << "an axis that moves at once tells nothing";
+TEST(UsualStart, IsTheMeanOfRecordingsThatAgreeAsFarAsTheirNumberMakesThatLikely) {
+  EXPECT_DOUBLE_EQ(usual({0.5, 0.7}), 2.0 / 3.0 * 0.6);
+  EXPECT_DOUBLE_EQ(usual({-0.5, -0.6, -0.4}), 3.0 / 4.0 * -0.5);
+  EXPECT_DOUBLE_EQ(usual({0.5, std::nullopt, 0.7}), 2.0 / 3.0 * 0.6) << "an axis that moves at once tells nothing";
 }
 
 TEST(UsualStart, IsNotKnownFromOneRecordingNorFromThoseThatDoNotAgree) {
