@@ -69,8 +69,9 @@ struct FrictionLaw {
   std::array<FrictionElement, kMostFrictionElements> elements{};
   int count = 1;
   bool revolute = false;  ///< of a revolute joint, counted at mechanism::kJointRadius_m: described in rad
-  /// Share that elements which remember (stops, bristles) hold when a recording begins at rest, in [-1, 1]: that of the
-  /// training recordings, where they agree. A robot at work does not begin so; controllers do not look at it.
+  /// Share that elements which remember (stops, bristles) hold when a recording begins at rest, in [-1, 1]: part
+  /// of that of the training recordings, where they agree (identification/loaded_start). A robot at work does not begin
+  /// so; controllers do not look at it.
   double at_start = 0.0;
 
   bool operator==(const FrictionLaw& o) const;

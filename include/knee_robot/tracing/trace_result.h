@@ -76,7 +76,7 @@ struct TraceResult {
   std::string stiction;    ///< the same of a peak near rest
   std::vector<std::string> rejected;  ///< what came close, and why it was not added
   std::vector<std::string>
-      doubts;  ///< whether the baseline describes the training recordings at all; what those are warned of
+      doubts;  ///< whether the baseline describes the training recordings at all; what recordings are warned of
   std::vector<std::string> notes;
   std::vector<PlaceAngles> angles;  ///< of all named candidates, along the training recordings
   PayloadTest payload;              ///< against the URDF's inertia; its sentence is among `absorbed`
