@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "friction_families.h"
+#include "friction_simplest.h"
 #include "knee_robot/base/parallel.h"
 
 namespace knee_robot::identification {
@@ -13,14 +14,6 @@ namespace {
 
 using dynamics::FrictionElement;
 
-/// A simpler family is taken when it is within so many standard errors of the best. One would be usual; on the physical
-/// robot it keeps the single stop, whose error on another path is up to half as large again (docs/identification.md).
-constexpr double kWithinErrors = 0.25;
-/// The same where a whole spectrum is the best: with that many shares it comes near to any law.
-constexpr double kWithinErrorsOfSpectrum = 1.0;
-/// But not when it leaves so many times what the spectrum leaves: few blocks may hold all of the difference, and its
-/// standard error with it. Bristles in place of a spectrum of stops let go at rest, where brisk training hardly is.
-constexpr double kNearSpectrum = 1.1;
 /// One with a rare element is taken when it is better than the best without by so many. Without this, legs of a
 /// physical robot that stand while its controller settles got stops that relax, and predicted another day up to 44 % worse.
 constexpr double kSurelyRare = 2.0;
@@ -183,11 +176,6 @@ double leftByLaw(const InWeights& training, const FittedBase& fitted, const Fric
   return fitted.leftOn(held_back, law.which, std::max(0.0, training.along(law.which, law.weights)) * law.weights);
 }
 
-/// By which one family's held-back error is larger than another's, and how sure that is.
-struct Worse {
-  double mean = 0.0, standard_error = 0.0;
-};
-
 Worse worseBy(const Eigen::MatrixXd& error, const Eigen::VectorXd& share, Eigen::Index family, Eigen::Index than) {
   const Eigen::ArrayXd worse = error.col(family) - error.col(than);
   const double mean = (share.array() * worse).sum();
@@ -225,7 +213,7 @@ FrictionChoice chosenOf(const std::vector<Sum>& best, const Eigen::MatrixXd& err
     first = from;
     end = next;
   }
-  const double within = isSpectrum(least) ? kWithinErrorsOfSpectrum : kWithinErrors;
+  const std::size_t elements_of_best = best[static_cast<std::size_t>(least)].which.size();
   others.best = error.col(least);
   others.share = share;
   FrictionChoice choice;
@@ -236,9 +224,8 @@ FrictionChoice chosenOf(const std::vector<Sum>& best, const Eigen::MatrixXd& err
     const Worse worse = worseBy(error, share, f, least);
     choice.tried.push_back({lawOf(sum, elements), kFamilyNumbers[static_cast<std::size_t>(f)], mean[f], worse.mean,
                             worse.standard_error, static_cast<int>(f)});
-    if (chosen || f < first || f >= end || worse.mean > within * worse.standard_error) continue;
-    if (std::isinf(eligible[f])) continue;
-    if (isSpectrum(least) && mean[f] > kNearSpectrum * mean[least]) continue;
+    if (chosen || f < first || f >= end || std::isinf(eligible[f])) continue;
+    if (!inPlaceOf(least, elements_of_best, f, worse, mean[f] / mean[least])) continue;
     choice.law = choice.tried.back().law;
     choice.family = static_cast<int>(f);
     chosen = true;

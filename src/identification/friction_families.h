@@ -51,8 +51,9 @@ inline double geometric(double first, double last, int k, int count) {
 }
 
 /// Many elements at once, whose shares come near to any law.
+inline constexpr long kAllStops = 7, kAllSpeeds = 10;
 constexpr bool isSpectrum(long family) {
-  return family == 7 || family == 10;
+  return family == kAllStops || family == kAllSpeeds;
 }
 
 /// The best law of every family, simplest first; without elements where there is none.

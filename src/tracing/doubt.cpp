@@ -166,7 +166,8 @@ double doubtedProbability(const Search& s, const std::vector<FoundEffect>& namel
   const std::string less = lessThanWhatIsLeft(e, left_N, floors);
   if (!less.empty()) reasons.push_back(less);
   double probability = reasons.empty() ? e.probability : std::min(e.probability, kHarmful);
-  if (floors > kRightLeaves) {
+  // An estimated floor takes no name away: not that of a pair either, which is below even because there are two.
+  if (floors > kRightLeaves && (s.floor.measured || e.probability > kEven)) {
     probability = std::min(probability, e.probability * std::pow(kRightLeaves / floors, 2));
     reasons.push_back(": the model with it still leaves " + shortNumber(floors, 2) +
                       " times the noise floor while axes move: it may stand for something that no name is known for.");

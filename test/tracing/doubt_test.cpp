@@ -19,7 +19,7 @@ class Doubt : public SearchedMachine {
     FoundEffect e;
     e.hypothesis = named(name, shape_);
     e.coefficients = coefficients_;
-    e.probability = 0.99;
+    e.probability = probability_;
     e.p = p_;
     e.explained_rms_N = Eigen::VectorXd::Constant(data_.stack.axes, explains_N_);
     e.transfers = elsewhere_gain_ >= 0.0;
@@ -51,6 +51,7 @@ class Doubt : public SearchedMachine {
   double explains_N_ = 9.0, nameless_N_ = 0.0;
   const std::unique_ptr<Candidate> map_ = mapCandidate(robot_, "pose_x_m", kActuator, {0, 1, 2, 3, 4, 5, 6, 7});
   bool measured_ = true;
+  double probability_ = 0.99;
   double elsewhere_gain_ = 0.0, elsewhere_gaining_ = 1.0;
   std::vector<std::string> notes_;
 };
@@ -117,6 +118,16 @@ TEST_F(Doubt, ByAnEstimatedFloorWithoutRepeatsTakesNoNameAway) {
   EXPECT_EQ(much.probability, 0.5);
   EXPECT_FALSE(much.doubted);
   EXPECT_EQ(much.indistinguishable_from, std::vector<std::string>{"unnamed"});
+}
+
+TEST_F(Doubt, ByAnEstimatedFloorTakesNoNameAwayFromOneOfTwoThatAreAsProbable) {
+  probability_ = 0.39;
+  EXPECT_TRUE(said("asymmetric_coulomb", 2.8).doubted);
+  measured_ = false;
+  const FoundEffect one_of_two = said("asymmetric_coulomb", 2.8);
+  EXPECT_FALSE(one_of_two.doubted);
+  EXPECT_EQ(one_of_two.probability, 0.39);
+  EXPECT_TRUE(notes_.empty());
 }
 
 TEST_F(Doubt, ReadsOrUnnamedWhereTheNameIsRatherRight) {
