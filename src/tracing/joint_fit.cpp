@@ -9,6 +9,8 @@
 namespace knee_robot::tracing {
 namespace {
 
+/// Of a column's norm, without a block that had all of it: of what happens once all but a hundredth of its squares.
+constexpr double kGone = 1e-6, kGoneOnce = 0.1;
 constexpr int kFewestBlocks = 3;  ///< in which an effect must act for blocks that are left out to tell its spread
 
 /// Where each column of the problem comes from, bounded ones first (`bounded` of them): effect (-1: base), column in it.
@@ -77,30 +79,14 @@ Eigen::VectorXd solve(const BlockProblem& problem, const Eigen::MatrixXd& triang
   return identification::boundedLeastSquares(scaled, target, problem.bounded).cwiseQuotient(scale);
 }
 
-/// Solutions without each block (columns), and the squares that each leaves in its block.
-Eigen::MatrixXd leaveOutEach(const BlockProblem& problem, Eigen::VectorXd& held_back) {
-  const std::vector<Eigen::MatrixXd> others = identification::joinOthers(problem.blocks);
-  const Eigen::Index p = others.front().cols() - 1;
-  Eigen::MatrixXd solutions(p, static_cast<Eigen::Index>(others.size()));
-  held_back.resize(solutions.cols());
-  inParallel(others.size(), [&](std::size_t block) {
-    const Eigen::Index b = static_cast<Eigen::Index>(block);
-    solutions.col(b) = solve(problem, others[block]);
-    const Eigen::MatrixXd& own = problem.blocks[block];
-    held_back[b] = own.rows() == 0 ? 0.0 : (own.rightCols(1) - own.leftCols(p) * solutions.col(b)).squaredNorm();
-  });
-  return solutions;
-}
-
-/// The problem with these columns only.
-BlockProblem only(const BlockProblem& all, const std::vector<int>& columns) {
+/// The settings of these columns only, without blocks.
+BlockProblem settingsOf(const BlockProblem& all, const std::vector<int>& columns) {
   BlockProblem some;
-  std::vector<int> of_block = columns;
-  of_block.push_back(static_cast<int>(all.whole.size()));  // the force
-  for (const Eigen::MatrixXd& block : all.blocks)
-    some.blocks.push_back(block(Eigen::all, of_block));
   some.whole = all.whole(columns);
   some.prior = all.prior(columns);
+  some.own = all.own(columns);
+  for (const int column : columns)
+    some.once.push_back(all.once[static_cast<std::size_t>(column)]);
   for (std::size_t c = 0; c < columns.size(); ++c) {
     if (columns[c] < all.bounded) ++some.bounded;
     if (std::find(all.pulled.begin(), all.pulled.end(), columns[c]) != all.pulled.end())
@@ -109,6 +95,63 @@ BlockProblem only(const BlockProblem& all, const std::vector<int>& columns) {
       some.whole_effects.push_back(static_cast<int>(c));
   }
   return some;
+}
+
+/// The problem with these columns only.
+BlockProblem only(const BlockProblem& all, const std::vector<int>& columns) {
+  BlockProblem some = settingsOf(all, columns);
+  std::vector<int> of_block = columns;
+  of_block.push_back(static_cast<int>(all.whole.size()));  // the force
+  for (const Eigen::MatrixXd& block : all.blocks)
+    some.blocks.push_back(block(Eigen::all, of_block));
+  return some;
+}
+
+/// Columns of which something is left in `triangle`, without a block.
+std::vector<int> leftIn(const BlockProblem& problem, const Eigen::MatrixXd& triangle) {
+  std::vector<int> columns;
+  for (int c = 0; c < static_cast<int>(problem.own.size()); ++c) {
+    const double gone = problem.once[static_cast<std::size_t>(c)] ? kGoneOnce : kGone;
+    if (problem.own[c] == 0.0 || triangle.col(c).norm() > gone * problem.own[c]) columns.push_back(c);
+  }
+  return columns;
+}
+
+/// A push happens in one block, as it may be, and without that its size would be anything: it is what it is with all
+/// blocks, whichever is left out: what is asked of the other effects does not depend on it then. Of any other effect
+/// that a block had alone nothing is known without it.
+Eigen::VectorXd solveWithout(const BlockProblem& problem, const Eigen::MatrixXd& triangle, const Eigen::VectorXd& all) {
+  const std::vector<int> columns = leftIn(problem, triangle);
+  if (static_cast<Eigen::Index>(columns.size()) == problem.own.size()) return solve(problem, triangle);
+  const BlockProblem some = settingsOf(problem, columns);
+  Eigen::VectorXd solution = Eigen::VectorXd::Zero(all.size());
+  for (Eigen::Index c = 0; c < all.size(); ++c)
+    solution[c] = problem.once[static_cast<std::size_t>(c)] ? all[c] : 0.0;
+  solution(columns).setZero();
+  Eigen::MatrixXd rest(triangle.rows(), static_cast<Eigen::Index>(columns.size()) + 1);
+  rest << triangle(Eigen::all, columns), triangle.rightCols<1>() - triangle.leftCols(all.size()) * solution;
+  solution(columns) = solve(some, rest);
+  return solution;
+}
+
+/// Solutions without each block (columns), and the squares that each leaves in its block.
+Eigen::MatrixXd leaveOutEach(const BlockProblem& problem, Eigen::VectorXd& held_back) {
+  const std::vector<Eigen::MatrixXd> others = identification::joinOthers(problem.blocks);
+  const Eigen::Index p = others.front().cols() - 1;
+  Eigen::VectorXd all;
+  const bool gone = std::any_of(others.begin(), others.end(), [&](const Eigen::MatrixXd& triangle) {
+    return static_cast<Eigen::Index>(leftIn(problem, triangle).size()) < p;
+  });
+  if (gone) all = solve(problem, identification::joinBlocks(problem.blocks, -1));
+  Eigen::MatrixXd solutions(p, static_cast<Eigen::Index>(others.size()));
+  held_back.resize(solutions.cols());
+  inParallel(others.size(), [&](std::size_t block) {
+    const Eigen::Index b = static_cast<Eigen::Index>(block);
+    solutions.col(b) = solveWithout(problem, others[block], all);
+    const Eigen::MatrixXd& own = problem.blocks[block];
+    held_back[b] = own.rows() == 0 ? 0.0 : (own.rightCols(1) - own.leftCols(p) * solutions.col(b)).squaredNorm();
+  });
+  return solutions;
 }
 
 /// Blocks in which an effect does anything.
@@ -134,12 +177,16 @@ JointProblem::JointProblem(const TraceData& data, const BaseFit& base, const Eig
   const Eigen::MatrixXd all = identification::joinBlocks(problem_.blocks, -1);
   problem_.whole = all.leftCols(all.cols() - 1).colwise().norm();
   problem_.prior = Eigen::VectorXd::Zero(problem_.whole.size());
+  problem_.own = problem_.prior;
   for (std::size_t c = 0; c < source_.size(); ++c) {
     const auto [effect, column] = source_[c];
     const Eigen::Index at = static_cast<Eigen::Index>(c);
     const std::size_t k = static_cast<std::size_t>(std::max(0, effect));
     if (effect < 0) problem_.prior[at] = base.pull[column];
-    if (effect < 0 || !effects[k].place.candidate->isMap()) problem_.whole[at] = 0.0;
+    const bool is_map = effect >= 0 && effects[k].place.candidate->isMap();
+    if (effect >= 0 && !is_map) problem_.own[at] = problem_.whole[at];
+    if (!is_map) problem_.whole[at] = 0.0;
+    problem_.once.push_back(effect >= 0 && effects[k].place.candidate->local());
     if (effect >= 0 && effects[k].place.candidate->isPulled(effect_rows_[k].cols()))
       problem_.pulled.push_back(static_cast<int>(c));
     if (effect >= 0 && isWhole(effects[k])) problem_.whole_effects.push_back(static_cast<int>(c));

@@ -20,6 +20,46 @@ TEST_F(JointlyFitted, LeavesWithoutAnEffectWhatAProblemWithoutItLeaves) {
   EXPECT_LT((both.heldBack() - both.fit().held_back).norm(), 1e-12 * own.norm());
 }
 
+/// What acts on one actuator in the first block only, beside a friction that acts everywhere.
+class BesideWhatIsInOneBlock : public JointlyFitted {
+ protected:
+  BesideWhatIsInOneBlock() {
+    const Eigen::Index first = kActuator * data_.stack.size(), size = data_.stack.size();
+    always_.col(0).segment(first, size).setRandom();
+    for (Eigen::Index row = 0; row < size; ++row)
+      once_[first + row] = data_.stack.picks[static_cast<std::size_t>(row)].block == 0 ? 1.0 : 0.0;
+    quiet_ = JointProblem(data_, base_, base_.noise_N, {friction_}, {always_}).heldBack()[0];
+    data_.force_rows += 50.0 * once_;
+  }
+  JointProblem beside(const std::string& name, const std::vector<double>& shape) const {
+    const Hypothesis effect = named(name, shape);
+    const Eigen::Index columns =
+        static_cast<Eigen::Index>(effect.place.candidate->coefficients(data_.inputs.front()).size());
+    Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(once_.size(), columns);
+    rows.col(0) = once_;
+    return {data_, base_, base_.noise_N, {effect, friction_}, {rows, always_}};
+  }
+  Hypothesis friction_ = named("stribeck", {0.007, 1.0, 0.0});
+  Eigen::VectorXd once_ = Eigen::VectorXd::Zero(data_.base_rows.rows());
+  Eigen::MatrixXd always_ = Eigen::MatrixXd::Zero(data_.base_rows.rows(), 1);
+  double quiet_ = 0.0;  ///< squares that the first block leaves when it is left out, without it
+};
+
+TEST_F(BesideWhatIsInOneBlock, APushIsKnownAlsoWhereThatIsLeftOut) {
+  const JointProblem problem = beside("external_force", {1.0, 0.5});
+  EXPECT_NEAR(problem.fit().coefficients[0][0], 50.0, 5.0);
+  EXPECT_LT(problem.heldBack()[0], 2.0 * quiet_) << "from what is left outside its size would be anything";
+  EXPECT_LT(problem.heldBackWithout(1)[0], 2.0 * quiet_);
+  EXPECT_GT(problem.heldBackWithout(0)[0], 10.0 * quiet_) << "the fifty newtons themselves";
+}
+
+TEST_F(BesideWhatIsInOneBlock, OfAnyOtherEffectNothingIsKnownThere) {
+  const JointProblem problem = beside("stribeck", {0.02, 1.0, 0.0});
+  const double unknown = problem.heldBackWithout(0)[0];
+  EXPECT_GT(unknown, 10.0 * quiet_);
+  EXPECT_NEAR(problem.heldBack()[0], unknown, 0.01 * unknown) << "no size that rounding says";
+}
+
 class ProjectedOnto : public ::testing::Test {
  protected:
   /// More rows than one piece has; the last column is a sum of others: it adds no direction.

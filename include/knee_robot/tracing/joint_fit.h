@@ -37,6 +37,8 @@ struct BlockProblem {
   std::vector<int> whole_effects;       ///< columns whose coefficient is pulled to one
   Eigen::VectorXd whole;                ///< norms with all blocks of the columns of maps, else 0
   Eigen::VectorXd prior;                ///< per column, root of the weight of a pull to zero
+  Eigen::VectorXd own;                  ///< norms with all blocks of the columns of effects that are no maps, else 0
+  std::vector<char> once;               ///< per column: of an effect that happens once (Candidate::local)
 };
 
 /// Base and effects along the recordings. Compressed once: what a model without one of the effects predicts costs no
