@@ -50,8 +50,8 @@ inline double geometric(double first, double last, int k, int count) {
   return first * std::pow(last / first, static_cast<double>(k) / (count - 1));
 }
 
-/// Many elements at once, whose shares come near to any law.
 inline constexpr long kAllStops = 7, kAllSpeeds = 10;
+/// Many elements at once, whose shares come near to any law.
 constexpr bool isSpectrum(long family) {
   return family == kAllStops || family == kAllSpeeds;
 }
