@@ -242,16 +242,27 @@ std::vector<FrictionRange> frictionRanges(const mechanism::Robot& robot, const s
   return ranges;
 }
 
-/// Laws near rest and parameters in turn, each with what the other was.
+/// The prior's strength beside the present laws; pushes count less.
+PriorChoice strengthBeside(const Equations& equations, const Eigen::VectorXd& parameters, const Setting& setting,
+                           double strength) {
+  const Stage soft = solveStage(equations, noiseAfter(equations, parameters), setting, strength, &parameters);
+  return chooseStrength(soft.equations, setting.columns, setting.use, setting.prior);
+}
+
+/// Laws near rest, the prior's strength and parameters in turn, each with what the others were: beside links that the
+/// data hardly decide and nothing holds, a law is chosen that makes up for what they do.
 void chooseLaws(std::vector<Observation>& training, const IdentifyOptions& options,
-                const std::vector<FrictionRange>& ranges, const Setting& setting, double strength, Equations& equations,
-                Stage& stage, Identification& id) {
+                const std::vector<FrictionRange>& ranges, const Setting& setting, Equations& equations, Stage& stage,
+                Identification& id) {
+  double strength = kFirstStrength;
   const auto useLaws = [&] {
     for (Observation& o : training)
       setFriction(o, id.columns, id.model.friction);
     refillColumns(training, options.observation, coulombColumns(id.columns), equations);
   };
   for (int pass = 0; pass < kFrictionPasses; ++pass) {
+    strength = strengthBeside(equations, stage.parameters, setting, strength).strength;
+    stage = solveStage(equations, noiseAfter(equations, stage.parameters), setting, strength);
     findLoadedStart(id.columns, stage.parameters, options.observation.cutoff_hz, training);
     id.friction = chooseFriction(training, options.observation, id.columns, stage.equations, stage.noise_N,
                                  stage.reduction, strength, ranges, id.friction);
@@ -303,16 +314,15 @@ Identification identify(const mechanism::Robot& robot, std::vector<Observation>&
   id.force_rms_N = rmsPerActuator(equations, equations.b);
   const Setting setting{id.columns, use, priorTowards(options.towards, robot, id.columns, id.force_rms_N),
                         options.rank};
-  double strength = kFirstStrength;
-  Stage stage =
-      solveStage(equations, noiseAfter(equations, Eigen::VectorXd::Zero(equations.a.cols())), setting, strength);
-  stage = solveStage(equations, noiseAfter(equations, stage.parameters), setting, strength);
-  if (options.friction) chooseLaws(training, options, ranges, setting, strength, equations, stage, id);
+  const Eigen::VectorXd nothing = Eigen::VectorXd::Zero(equations.a.cols());
+  Stage stage = solveStage(equations, noiseAfter(equations, nothing), setting, kFirstStrength);
+  stage = solveStage(equations, noiseAfter(equations, stage.parameters), setting, kFirstStrength);
+  if (options.friction) chooseLaws(training, options, ranges, setting, equations, stage, id);
   const Eigen::VectorXd before = stage.parameters;
-  stage = solveStage(equations, noiseAfter(equations, before), setting, strength, &before);
+  stage = solveStage(equations, noiseAfter(equations, before), setting, kFirstStrength, &before);
   if (options.friction) refuseRank(options.rank, stage.reduction, training);
   id.prior = chooseStrength(stage.equations, id.columns, use, setting.prior);
-  strength = options.rank > 0 ? kAskedStrength : id.prior.strength;
+  const double strength = options.rank > 0 ? kAskedStrength : id.prior.strength;
   stage = solveStage(equations, noiseAfter(equations, stage.parameters), setting, strength);
 
   id.reduction = stage.reduction;
