@@ -55,13 +55,20 @@ bool isMostOfIt(const Search& s, const FoundEffect& one) {
   return own_N2 > 0.0 && own_N2 >= kMostOfIt * (all_N2 - own_N2);
 }
 
+/// What is reported as unnamed, or as one name "or unnamed".
+bool maybeUnnamed(const FoundEffect& e) {
+  const std::vector<std::string>& others = e.indistinguishable_from;
+  return e.doubted || std::find(others.begin(), others.end(), "unnamed") != others.end();
+}
+
 /// Empty, or why the path that was seen may be all that an effect describes.
 std::string whyOfOnePath(const Search& s, const FoundEffect& e, double floors) {
   const Candidate& candidate = *e.hypothesis.place.candidate;
   // What pulls at the platform loads all legs: a map on one of them is part of it, however little that one leaves.
   const int actuator = e.hypothesis.place.actuator;
   const bool of_time = candidate.goesWithTime() && (candidate.isMap() || e.doubted);
-  const bool of_all = of_time || (candidate.isMap() && candidate.positionOf(actuator) != actuator);
+  const bool nameless = maybeUnnamed(e) && actuator < 0;  // one actuator's may be its axis's own
+  const bool of_all = of_time || nameless || (candidate.isMap() && candidate.positionOf(actuator) != actuator);
   const double anywhere = of_all ? (s.rms_N.array() / s.floor.rms_N.array()).maxCoeff() : floors;
   if (candidate.isForceField() && anywhere >= kMuchLeft)
     return "a force that depends on the pose alone, seen along one path, in a model that leaves " +
@@ -69,6 +76,9 @@ std::string whyOfOnePath(const Search& s, const FoundEffect& e, double floors) {
   if (of_time && anywhere >= kMuchLeft)
     return "goes with time, seen along one path, in a model that leaves " + shortNumber(anywhere, 2) +
            " times the noise floor: at the same time another path is elsewhere";
+  if (nameless && anywhere >= kMuchLeft)
+    return "acts on all actuators, may be something else, and was seen along one path, in a model that leaves " +
+           shortNumber(anywhere, 2) + " times the noise floor: on another path that may differ";
   const int maps = candidate.isMap() ? mapsBeside(s, e) : 0;
   if (s.floor.measured && maps >= kPatchwork && floors > kRightLeaves && !isMostOfIt(s, e))
     return "one of " + std::to_string(maps) + " maps, which together leave " + shortNumber(floors, 2) +

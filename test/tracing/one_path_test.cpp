@@ -32,11 +32,12 @@ class OnePath : public testing::Test {
   }
   /// Whether an effect of this name, on the second actuator or all, is predicted elsewhere.
   bool transfers(const std::string& name) { return transfersOf(named(name), false); }
-  bool transfersOf(const Candidate& candidate, bool doubted) {
+  bool transfersOf(const Candidate& candidate, bool doubted, const std::vector<std::string>& rivals = {}) {
     FoundEffect e;
     e.hypothesis.place = {&candidate, candidate.shared() ? -1 : 1};
     e.transfers = true;
     e.doubted = doubted;
+    e.indistinguishable_from = rivals;
     s_.effects = {e};
     notes_.clear();
     holdBackOnePath(s_, notes_);
@@ -99,6 +100,20 @@ TEST_F(OnePath, LeavesOutWhatGoesWithTimeWhereAnotherLegLeavesMuch) {
   EXPECT_TRUE(transfersOf(named("stribeck"), true)) << "doubted, and not of time";
   follow(1);
   EXPECT_TRUE(transfersOf(*time_map_, true)) << "two paths";
+}
+
+TEST_F(OnePath, LeavesOutWhatActsOnAllActuatorsAndMayBeSomethingElse) {
+  follow(0);
+  leaves(1.5);
+  EXPECT_TRUE(transfersOf(named("asymmetric_dashpot"), true));
+  s_.rms_N[3] = 5.0 * s_.floor.rms_N[3];
+  EXPECT_FALSE(transfersOf(named("asymmetric_dashpot"), true));
+  ASSERT_EQ(notes_.size(), 1u);
+  EXPECT_NE(notes_[0].find("may be something else"), std::string::npos) << notes_[0];
+  EXPECT_TRUE(transfersOf(named("asymmetric_dashpot"), false)) << "its name is sure enough";
+  EXPECT_FALSE(transfersOf(named("asymmetric_dashpot"), false, {"unnamed"})) << "\"or unnamed\" is not";
+  follow(1);
+  EXPECT_TRUE(transfersOf(named("asymmetric_dashpot"), true)) << "two paths";
 }
 
 TEST_F(OnePath, KeepsWhatReachesTheNoiseFloorOrDependsOnMotion) {
