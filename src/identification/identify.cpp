@@ -261,7 +261,7 @@ void chooseLaws(std::vector<Observation>& training, const IdentifyOptions& optio
     refillColumns(training, options.observation, coulombColumns(id.columns), equations);
   };
   for (int pass = 0; pass < kFrictionPasses; ++pass) {
-    strength = strengthBeside(equations, stage.parameters, setting, strength).strength;
+    strength = middleStrength(strengthBeside(equations, stage.parameters, setting, strength));
     stage = solveStage(equations, noiseAfter(equations, stage.parameters), setting, strength);
     findLoadedStart(id.columns, stage.parameters, options.observation.cutoff_hz, training);
     id.friction = chooseFriction(training, options.observation, id.columns, stage.equations, stage.noise_N,

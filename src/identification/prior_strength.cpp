@@ -58,6 +58,14 @@ int supportedRank(const Reduction& r, double strength) {
   return r.minimalRank() + static_cast<int>(std::lround(supported));
 }
 
+double middleStrength(const PriorChoice& choice) {
+  double best = choice.strength;
+  for (const StrengthPoint& point : choice.curve) {
+    if (point.believed && point.beyond_best <= 0.0) best = point.strength;
+  }
+  return std::sqrt(best * choice.strength);
+}
+
 std::vector<Eigen::VectorXd> parametersByStrength(const Reduction& r, const PriorChoice& choice) {
   std::vector<Eigen::VectorXd> all;
   for (const StrengthPoint& point : choice.curve)

@@ -188,6 +188,25 @@ TEST(ChooseStrength, TakesNoStrengthThatNeedsBodiesFarFromDrawnOnes) {
   EXPECT_EQ(drawn.curve.back().held_back, free.curve.back().held_back);
 }
 
+TEST(MiddleStrength, LiesHalfwayInDecadesBetweenTheBestAndTheStrongestAsGood) {
+  PriorChoice choice;
+  choice.strength = 1e4;
+  const double beyond_best[] = {0.4, 0.1, 0.05, 0.0, 0.2};  // at 1e5, 1e4, 1e3, 1e2, 1e1
+  double strength = 1e5;
+  for (const double beyond : beyond_best) {
+    StrengthPoint point;
+    point.strength = strength;
+    point.beyond_best = beyond;
+    choice.curve.push_back(point);
+    strength /= 10.0;
+  }
+  choice.curve.back().believed = false;
+  choice.curve.back().beyond_best = -0.1;  // better by bodies that nobody believes
+  EXPECT_NEAR(middleStrength(choice), 1e3, 1e-6);
+  choice.strength = 1e2;
+  EXPECT_NEAR(middleStrength(choice), 1e2, 1e-9) << "the best is the strongest";
+}
+
 TEST(ChooseStrength, TrainingErrorFallsWithTheStrength) {
   const std::vector<Column> columns(16, Column{"r", "", ColumnRole::Rigid, -1});
   const PriorChoice choice =

@@ -34,6 +34,10 @@ struct PriorChoice {
 PriorChoice chooseStrength(const Equations& equations, const std::vector<Column>& columns, const std::vector<char>& use,
                            const Prior& prior);
 
+/// The middle, in decades, of the strengths that left-out blocks do not tell from the best: between that and the
+/// strongest.
+double middleStrength(const PriorChoice& choice);
+
 /// Parameters for every point of a curve of chooseStrength, fitted to all equations.
 std::vector<Eigen::VectorXd> parametersByStrength(const Reduction& reduction, const PriorChoice& choice);
 
