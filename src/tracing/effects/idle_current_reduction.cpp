@@ -8,7 +8,9 @@ namespace knee_robot::tracing {
 namespace {
 
 constexpr double kSlowestBelow_m_per_s = 3e-4, kFastestBelow_m_per_s = 5e-3;
-constexpr double kSoonest_s = 0.05, kLatest_s = 3.0;        ///< after which the current falls
+/// After which the current falls. Sooner, a drive would cut it in every reversal of a slow axis, and what shows there is
+/// friction.
+constexpr double kSoonest_s = 0.2, kLatest_s = 3.0;
 constexpr double kQuickest_s = 0.05, kSlowest_s = 2.0;      ///< its time constant
 constexpr double kComesBack_s = 0.1;                        ///< drives give all again at the first step
 constexpr double kIdleBeside = 1.5;                         ///< factor between neighbours
@@ -50,7 +52,7 @@ class IdleCurrentReduction : public Candidate {
   std::vector<std::vector<double>> shapes(const EffectInput&, int) const override {
     std::vector<std::vector<double>> grid;
     for (const double below_m_per_s : {6e-4, 2e-3, 4e-3}) {
-      for (const double after_s : {0.1, 0.3, 1.0}) {
+      for (const double after_s : {kSoonest_s, 0.45, 1.0}) {
         for (const double constant_s : {0.1, 0.5})
           grid.push_back({below_m_per_s, after_s, constant_s});
       }
