@@ -186,7 +186,10 @@ bool helpsElsewhere(Search& s, const BaseFit& baseline) {
     return candidate.local() || (e.transfers && candidate.elsewhere(e.coefficients).size() > 0);
   });
   // Other laws near rest alone, chosen beside what is not predicted: the baseline's were chosen on the same recordings.
-  if (predicted.empty()) return false;
+  // So it is beside what happened once and may be another force, of a place where the robot was once, too.
+  if (std::none_of(predicted.begin(), predicted.end(),
+                   [](const FoundEffect& e) { return !e.hypothesis.place.candidate->local() || !e.maybeUnnamed(); }))
+    return false;
   // What is there elsewhere, too, with an unknown phase; of other effects that stay behind nobody knows what they are.
   std::vector<FoundEffect> in_phase;
   std::copy_if(s.effects.begin(), s.effects.end(), std::back_inserter(in_phase), [](const FoundEffect& e) {

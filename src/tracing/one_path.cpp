@@ -55,10 +55,8 @@ bool isMostOfIt(const Search& s, const FoundEffect& one) {
   return own_N2 > 0.0 && own_N2 >= kMostOfIt * (all_N2 - own_N2);
 }
 
-/// What is reported as unnamed, or as one name "or unnamed".
-bool maybeUnnamed(const FoundEffect& e) {
-  const std::vector<std::string>& others = e.indistinguishable_from;
-  return e.doubted || std::find(others.begin(), others.end(), "unnamed") != others.end();
+bool isUnsure(const FoundEffect& e) {
+  return e.doubted || !e.indistinguishable_from.empty();
 }
 
 /// Empty, or why the path that was seen may be all that an effect describes.
@@ -67,8 +65,7 @@ std::string whyOfOnePath(const Search& s, const FoundEffect& e, double floors) {
   // What pulls at the platform loads all legs: a map on one of them is part of it, however little that one leaves.
   const int actuator = e.hypothesis.place.actuator;
   const bool of_time = candidate.goesWithTime() && (candidate.isMap() || e.doubted);
-  const bool nameless = maybeUnnamed(e) && actuator < 0;  // one actuator's may be its axis's own
-  const bool of_all = of_time || nameless || (candidate.isMap() && candidate.positionOf(actuator) != actuator);
+  const bool of_all = of_time || actuator < 0 || (candidate.isMap() && candidate.positionOf(actuator) != actuator);
   const double anywhere = of_all ? (s.rms_N.array() / s.floor.rms_N.array()).maxCoeff() : floors;
   if (candidate.isForceField() && anywhere >= kMuchLeft)
     return "a force that depends on the pose alone, seen along one path, in a model that leaves " +
@@ -76,9 +73,13 @@ std::string whyOfOnePath(const Search& s, const FoundEffect& e, double floors) {
   if (of_time && anywhere >= kMuchLeft)
     return "goes with time, seen along one path, in a model that leaves " + shortNumber(anywhere, 2) +
            " times the noise floor: at the same time another path is elsewhere";
-  if (nameless && anywhere >= kMuchLeft)
+  if (actuator < 0 && isUnsure(e) && (anywhere >= kMuchLeft || !s.floor.measured))
     return "acts on all actuators, may be something else, and was seen along one path, in a model that leaves " +
-           shortNumber(anywhere, 2) + " times the noise floor: on another path that may differ";
+           shortNumber(anywhere, 2) + " times the " + (s.floor.measured ? "" : "estimated ") +
+           "noise floor: on another path that may differ";
+  if (e.maybeUnnamed() && floors >= kMuchLeft)
+    return "may be something else, and was seen along one path, in a model that leaves " + shortNumber(floors, 2) +
+           " times the noise floor there: on another path that may differ";
   const int maps = candidate.isMap() ? mapsBeside(s, e) : 0;
   if (s.floor.measured && maps >= kPatchwork && floors > kRightLeaves && !isMostOfIt(s, e))
     return "one of " + std::to_string(maps) + " maps, which together leave " + shortNumber(floors, 2) +

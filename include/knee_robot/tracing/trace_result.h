@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -50,6 +51,11 @@ struct FoundEffect {
 
   /// Three names or more that the data do not tell apart are no attribution: reported as unnamed.
   bool isOneOfMany() const { return indistinguishable_from.size() > 2; }
+  /// Reported as unnamed, or as a name "or unnamed".
+  bool maybeUnnamed() const {
+    const std::vector<std::string>& others = indistinguishable_from;
+    return doubted || std::find(others.begin(), others.end(), "unnamed") != others.end();
+  }
 };
 
 /// Share of names that were right on machines of the ten newest simulators by others when it was chosen, each as it
