@@ -61,7 +61,6 @@ BaseFit inCoordinates(const identification::Identification& id, const Stack& sta
   const double rows = static_cast<double>(stack.size() * stack.axes) / std::max(1, id.equations);
   base.pull = Eigen::VectorXd::Constant(coordinates, std::sqrt(id.prior.strength * rows));
   base.pull.head(base.bounded).setZero();
-  base.least_strength = id.prior.strength;
   base.parameters = id.parameters;
   return base;
 }
@@ -70,7 +69,7 @@ BaseFit inCoordinates(const identification::Identification& id, const Stack& sta
 
 BaseFit fitBase(const mechanism::Robot& robot, std::vector<identification::Observation>& training, const Stack& stack,
                 const std::vector<identification::Column>& columns, int rank, const Eigen::VectorXd* given,
-                EffectsBeside beside, double least_strength) {
+                EffectsBeside beside) {
   if (stack.size() < kFewestSamples) {
     throw Refusal("only " + std::to_string(stack.size()) + " usable samples in the training recordings (at least " +
                   std::to_string(kFewestSamples) + " are needed): record a longer motion, away from singular poses");
@@ -82,7 +81,6 @@ BaseFit fitBase(const mechanism::Robot& robot, std::vector<identification::Obser
   options.uncertainty = false;
   if (given != nullptr) options.towards = *given;
   options.without_peak = beside.without_peak;
-  options.least_strength = least_strength;
   BaseFit base;
   Eigen::VectorXd residual(stack.size() * stack.axes);
   {
@@ -105,7 +103,6 @@ BaseFit fitBase(const mechanism::Robot& robot, std::vector<identification::Obser
         1e-6, residual.segment(i * stack.size(), stack.size()).norm() / std::sqrt(static_cast<double>(stack.size())));
   }
   if (base.columns.size() != columns.size()) throw std::invalid_argument("columns of another robot");
-  if (least_strength > 0.0) base.least_strength = least_strength;
   base.beside = std::move(beside);
   return base;
 }

@@ -220,8 +220,8 @@ bool rebase(Search& s) {
   if (isBeside(s, beside)) return false;
   const mechanism::Robot& robot = *data.inputs.front().robot;
   const Eigen::VectorXd start = s.base->start;
-  return adoptBase(s, fitBase(robot, data.recordings, data.stack, s.base->columns, s.options->rank, &start,
-                              std::move(beside), s.base->least_strength));
+  return adoptBase(
+      s, fitBase(robot, data.recordings, data.stack, s.base->columns, s.options->rank, &start, std::move(beside)));
 }
 
 }  // namespace knee_robot::tracing

@@ -34,8 +34,6 @@ struct BaseFit {
 
   EffectsBeside beside;
 
-  double least_strength = 0.0;  ///< of the prior beside effects: as chosen for the baseline
-
   int decided = 0;  ///< combinations of parameters that the data decide rather than the prior
 
   int coordinates() const { return static_cast<int>(basis.cols()); }
@@ -45,11 +43,10 @@ struct BaseFit {
 /// `identify` without standard errors: the same equations, weights, loss, prior, laws. Sets the Coulomb columns of
 /// `training`.
 /// `rank` 0: all directions, pulled towards the prior as held-back blocks choose. With `given` (parameters of a given
-/// model, per column) the pull is towards those; friction and rotors, which have a sign, are fitted anew. The prior's
-/// strength is at least `least_strength`, which the fit keeps for those that follow; 0: as chosen.
+/// model, per column) the pull is towards those; friction and rotors, which have a sign, are fitted anew.
 BaseFit fitBase(const mechanism::Robot& robot, std::vector<identification::Observation>& training, const Stack& stack,
                 const std::vector<identification::Column>& columns, int rank, const Eigen::VectorXd* given = nullptr,
-                EffectsBeside beside = {}, double least_strength = 0.0);
+                EffectsBeside beside = {});
 
 /// A fit of other rows of the same robot, to begin with: sets the Coulomb columns of `training`.
 BaseFit laidUnder(BaseFit known, std::vector<identification::Observation>& training);
