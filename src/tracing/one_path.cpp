@@ -77,7 +77,7 @@ std::string whyOfOnePath(const Search& s, const FoundEffect& e, double floors) {
     return "acts on all actuators, may be something else, and was seen along one path, in a model that leaves " +
            shortNumber(anywhere, 2) + " times the " + (s.floor.measured ? "" : "estimated ") +
            "noise floor: on another path that may differ";
-  if (e.maybeUnnamed() && floors >= kMuchLeft)
+  if (e.maybeUnnamed() && e.indistinguishable_from.size() > 1 && floors >= kMuchLeft)
     return "may be something else, and was seen along one path, in a model that leaves " + shortNumber(floors, 2) +
            " times the noise floor there: on another path that may differ";
   const int maps = candidate.isMap() ? mapsBeside(s, e) : 0;

@@ -11,8 +11,8 @@ bool isOnePathNotDescribed(const std::vector<std::string>& doubts,
 
 /// A force that depends on the pose alone, seen along one path only, in a model that leaves much more than the noise
 /// floor: what it stands for (a cable chain's hysteresis, a memory) may be another force in the same pose on another
-/// path. So may what is reported as unnamed, or as a name "or unnamed"; what acts on all actuators and has two names
-/// (where no repeat measures the floor, whatever is left); and several maps that together do not reach the floor of
+/// path. So may what has two names or more and may be unnamed; what acts on all actuators and has two names (where no
+/// repeat measures the floor, whatever is left); and several maps that together do not reach the floor of
 /// repeats: along one path everything is a function of anything. Held-back pieces of the one path cannot tell. Such
 /// effects are not predicted elsewhere.
 void holdBackOnePath(Search& search, std::vector<std::string>& notes);
