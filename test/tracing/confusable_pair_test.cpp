@@ -11,14 +11,15 @@ void runAhead(recording::Recording& r) {
   r.command_V.resize(r.rows(), 0);
 }
 
-TEST(Trace, ReportsDelayAndDriveLagAsOnePair) {
+TEST(Trace, ReportsADelayAloneOrAsOnePairWithADriveLag) {
   const TracedCase c = traceSimulated("", runAhead);
   ASSERT_FALSE(c.result.effects.empty());
   const FoundEffect& first = c.result.effects[0];
   std::vector<std::string> names = first.indistinguishable_from;
   names.push_back(first.hypothesis.place.candidate->name());
   EXPECT_NE(std::find(names.begin(), names.end(), "delay"), names.end());
-  EXPECT_NE(std::find(names.begin(), names.end(), "drive_lag"), names.end());
+  for (const std::string& name : names)
+    EXPECT_TRUE(name == "delay" || name == "drive_lag") << name;
   EXPECT_EQ(first.hypothesis.place.actuator, 3);
 }
 
