@@ -88,7 +88,7 @@ TEST_F(Simplify, AStrapThatIsTautAllTheWayIsASpringBetweenTheSamePoints) {
   EXPECT_EQ(leftOf("one_sided_spring", of("spring"), Eigen::Vector2d(800.0, 300.0)), "spring");
   const std::vector<double>& shape = search_.effects.front().hypothesis.shape;
   for (std::size_t k = 0; k < kAnchors.size(); ++k)
-    EXPECT_NEAR(shape[k], kAnchors[k], 0.015) << "anchor " << k;  // 12 mm off in y of the base, where it was within 10
+    EXPECT_NEAR(shape[k], kAnchors[k], 0.015) << "anchor " << k;  // five draws of the noise leave 10 to 13 mm
 }
 
 TEST_F(Simplify, FrictionThatGrowsWithTheLoadAlikeEitherWayIsLoadDependentWithAShapeOfItsOwn) {
