@@ -66,6 +66,16 @@ TEST_F(FitElsewhere, ARippleThatStaysBehindDoesNotOutweighWhatIsPredicted) {
   EXPECT_TRUE(helpsElsewhere(search_, baseline_));
 }
 
+TEST_F(FitElsewhere, APushAloneIsTakenOutOfTrainingUnlessItMayBeAnotherForce) {
+  const Hypothesis push = {{named("external_force", {}).place.candidate, -1}, {1.0, 6.0, 9.0}};
+  has(push, Eigen::Vector4d(25.0, -40.0, 3.0, 2.0));
+  search_.effects = {found(push, false)};
+  refit(search_);
+  EXPECT_TRUE(helpsElsewhere(search_, baseline_));
+  search_.effects[0].indistinguishable_from = {"unnamed"};
+  EXPECT_FALSE(helpsElsewhere(search_, baseline_)) << "laws near rest chosen anew beside it would be all that changes";
+}
+
 TEST_F(FitElsewhere, AMassThatSlidesIsNotPredictedAndTheRestIsFittedWithoutIt) {
   const Hypothesis mass = named("sliding_mass", {0.8, 0.1, 0.4, 1.0, 0.5, -0.5, 0.0});
   has(mass, Eigen::VectorXd::Constant(1, 6.0));
