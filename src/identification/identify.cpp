@@ -322,6 +322,8 @@ Identification identify(const mechanism::Robot& robot, std::vector<Observation>&
   stage = solveStage(equations, noiseAfter(equations, before), setting, kFirstStrength, &before);
   if (options.friction) refuseRank(options.rank, stage.reduction, training);
   id.prior = chooseStrength(stage.equations, id.columns, use, setting.prior);
+  const bool held = options.least_strength > id.prior.strength;
+  if (held) id.prior.strength = options.least_strength;
   const double strength = options.rank > 0 ? kAskedStrength : id.prior.strength;
   stage = solveStage(equations, noiseAfter(equations, stage.parameters), setting, strength);
 
@@ -332,7 +334,11 @@ Identification identify(const mechanism::Robot& robot, std::vector<Observation>&
   id.coordinates.head(rank) = fit.coordinates;
   id.parameters = toParameters(id.reduction, fit.coordinates);
   id.prior.strength = strength;
-  if (options.rank > 0) id.prior.rank = rank;
+  if (options.rank > 0) {
+    id.prior.rank = rank;
+  } else if (held) {
+    id.prior.rank = supportedRank(id.reduction, strength);
+  }
   describeModel(robot, training, options.observation, id.model);
   describeParameters(id.reduction, fit, setting, strength, id.model);
   id.model.rank = id.prior.rank;

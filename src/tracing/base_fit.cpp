@@ -61,6 +61,7 @@ BaseFit inCoordinates(const identification::Identification& id, const Stack& sta
   const double rows = static_cast<double>(stack.size() * stack.axes) / std::max(1, id.equations);
   base.pull = Eigen::VectorXd::Constant(coordinates, std::sqrt(id.prior.strength * rows));
   base.pull.head(base.bounded).setZero();
+  base.strength = id.prior.strength;
   base.parameters = id.parameters;
   return base;
 }
@@ -69,7 +70,7 @@ BaseFit inCoordinates(const identification::Identification& id, const Stack& sta
 
 BaseFit fitBase(const mechanism::Robot& robot, std::vector<identification::Observation>& training, const Stack& stack,
                 const std::vector<identification::Column>& columns, int rank, const Eigen::VectorXd* given,
-                EffectsBeside beside) {
+                EffectsBeside beside, double least_strength) {
   if (stack.size() < kFewestSamples) {
     throw Refusal("only " + std::to_string(stack.size()) + " usable samples in the training recordings (at least " +
                   std::to_string(kFewestSamples) + " are needed): record a longer motion, away from singular poses");
@@ -81,6 +82,7 @@ BaseFit fitBase(const mechanism::Robot& robot, std::vector<identification::Obser
   options.uncertainty = false;
   if (given != nullptr) options.towards = *given;
   options.without_peak = beside.without_peak;
+  options.least_strength = least_strength;
   BaseFit base;
   Eigen::VectorXd residual(stack.size() * stack.axes);
   {

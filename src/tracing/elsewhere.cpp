@@ -6,6 +6,7 @@
 #include <iterator>
 #include <utility>
 
+#include "held_back.h"
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/base/parallel.h"
 #include "knee_robot/identification/trained_range.h"
@@ -57,41 +58,6 @@ double maskedSquares(const Search& s, const std::vector<Hypothesis>& effects) {
     }
   }
   return sum;
-}
-
-/// Squares left on held-back stretches of positions in two directions, everything fitted without them.
-Eigen::VectorXd heldBackElsewhere(Search& s, const std::vector<Hypothesis>& effects, const Eigen::VectorXd& noise_N) {
-  const Stack own = s.data->stack;
-  const std::vector<Eigen::MatrixXd> rows = effectRows(*s.data, effects);
-  Eigen::VectorXd left(2 * kStretches);
-  for (const int direction : {0, 1}) {
-    labelByPosition(s.data->recordings, direction, s.data->stack);
-    left.segment(direction * kStretches, kStretches) =
-        JointProblem(*s.data, *s.base, noise_N, effects, rows).heldBack();
-  }
-  s.data->stack = own;
-  return left;
-}
-
-/// The same of the baseline with its own laws near rest, and with what is local.
-Eigen::VectorXd baselineElsewhere(Search& s, const BaseFit& baseline, const std::vector<Hypothesis>& local,
-                                  const Eigen::VectorXd& noise_N) {
-  TraceData& data = *s.data;
-  BaseFit newtons = inNewtons(baseline);
-  for (identification::Observation& o : data.recordings)
-    identification::setFriction(o, baseline.columns, baseline.friction_laws);
-  const Eigen::MatrixXd rows = data.all_base_rows;
-  data.all_base_rows = baseRows(newtons, data.recordings, data.stack);
-  setAttention(data, s.attention);
-  BaseFit* const now = s.base;
-  s.base = &newtons;
-  const Eigen::VectorXd left = heldBackElsewhere(s, local, noise_N);
-  s.base = now;
-  data.all_base_rows = rows;
-  setAttention(data, s.attention);
-  for (identification::Observation& o : data.recordings)
-    identification::setFriction(o, s.base->columns, s.base->friction_laws);
-  return left;
 }
 
 bool testedElsewhere(const FoundEffect& e) {
@@ -177,14 +143,33 @@ Eigen::VectorXd leftWith(Search& s, const std::vector<FoundEffect>& effects) {
   return left_N;
 }
 
+/// Predicted elsewhere, and reported without a name or as one "or unnamed".
+bool isUnsureElsewhere(const FoundEffect& e) {
+  const Candidate& candidate = *e.hypothesis.place.candidate;
+  return e.transfers && !candidate.local() && (e.maybeUnnamed() || e.isOneOfMany() || candidate.isMap());
+}
+
+/// Where something is predicted elsewhere that may be another effect or has no name, the prior holds links at least as
+/// strongly as in the baseline, and laws near rest are chosen anew: beside a force that is only nearly right the data
+/// may seem to bend links, which shows at other poses, on other actuators.
+void holdLinks(Search& s, const BaseFit& baseline) {
+  if (std::none_of(s.effects.begin(), s.effects.end(), isUnsureElsewhere) || s.base->strength >= baseline.strength)
+    return;
+  rebase(s, baseline.strength);
+  settleLaws(s, baseline);
+}
+
 }  // namespace
+
+void settleElsewhere(Search& s, const BaseFit& baseline, std::vector<std::string>& notes) {
+  holdLinks(s, baseline);
+  holdBackOfPaths(s, baseline, notes);
+}
 
 bool helpsElsewhere(Search& s, const BaseFit& baseline) {
   std::vector<FoundEffect> predicted;  // a push stays in: what it did to training must not go into the parameters
-  std::copy_if(s.effects.begin(), s.effects.end(), std::back_inserter(predicted), [](const FoundEffect& e) {
-    const Candidate& candidate = *e.hypothesis.place.candidate;
-    return candidate.local() || (e.transfers && candidate.elsewhere(e.coefficients).size() > 0);
-  });
+  std::copy_if(s.effects.begin(), s.effects.end(), std::back_inserter(predicted),
+               [](const FoundEffect& e) { return e.hypothesis.place.candidate->local() || isPredicted(e); });
   // Other laws near rest alone, chosen beside what is not predicted: the baseline's were chosen on the same recordings.
   // So it is beside what happened once and may be another force, of a place where the robot was once, too.
   if (std::none_of(predicted.begin(), predicted.end(),
@@ -194,7 +179,7 @@ bool helpsElsewhere(Search& s, const BaseFit& baseline) {
   std::vector<FoundEffect> in_phase;
   std::copy_if(s.effects.begin(), s.effects.end(), std::back_inserter(in_phase), [](const FoundEffect& e) {
     const Candidate& candidate = *e.hypothesis.place.candidate;
-    return !candidate.periodic() || (e.transfers && candidate.elsewhere(e.coefficients).size() > 0);
+    return !candidate.periodic() || isPredicted(e);
   });
   const Eigen::VectorXd noise_N = in_phase.size() < s.effects.size() ? leftWith(s, in_phase) : s.rms_N;
   const std::vector<Hypothesis> hypotheses = hypothesesOf(predicted);
@@ -208,7 +193,8 @@ bool helpsElsewhere(Search& s, const BaseFit& baseline) {
   const auto gain = [&](Attention attention) {
     s.attention = attention;
     setAttention(*s.data, attention);
-    return heldBackGain(baselineElsewhere(s, baseline, local, noise_N) - heldBackElsewhere(s, hypotheses, noise_N));
+    return heldBackGain(baselineLeaves(s, baseline, local, noise_N, heldBackPositions) -
+                        heldBackPositions(s, hypotheses, noise_N));
   };
   const Helps helps = {gain(Attention::Moving), gain(Attention::All)};
   s.attention = own;
@@ -223,7 +209,8 @@ ElsewhereFit fitElsewhere(Search& s, const BaseFit& baseline, bool keep_laws) {
   s.effects.erase(std::stable_partition(s.effects.begin(), s.effects.end(), stays), s.effects.end());
   refit(s);
   if (s.effects.size() < all.size() && !keep_laws) {
-    rebase(s);
+    const bool unsure = std::any_of(s.effects.begin(), s.effects.end(), isUnsureElsewhere);
+    rebase(s, unsure ? baseline.strength : 0.0);
     settleLaws(s, baseline);
   }
   ElsewhereFit out;

@@ -12,6 +12,10 @@ inline constexpr double kWorthElsewhere = 0.05;
 /// do not surely help there are not predicted elsewhere.
 void testElsewhere(Search& search, std::vector<std::string>& notes);
 
+/// What was found, as it is to be predicted elsewhere: links held as in the baseline where that may be something else, and
+/// without what paths that were left out speak against (holdBackOfPaths).
+void settleElsewhere(Search& search, const BaseFit& baseline, std::vector<std::string>& notes);
+
 /// Whether what is predicted elsewhere predicts held-back stretches of other positions surely better than the baseline,
 /// with its own laws near rest, does. False where no effect is predicted elsewhere.
 bool helpsElsewhere(Search& search, const BaseFit& baseline);

@@ -89,6 +89,18 @@ std::string whyOfOnePath(const Search& s, const FoundEffect& e, double floors) {
 
 }  // namespace
 
+std::vector<int> pathsOf(const std::vector<identification::Observation>& recordings) {
+  std::vector<int> path_of;
+  int paths = 0;
+  for (const identification::Observation& o : recordings) {
+    const auto same = std::find_if(recordings.begin(), recordings.begin() + static_cast<std::ptrdiff_t>(path_of.size()),
+                                   [&](const identification::Observation& known) { return followSamePath(known, o); });
+    const std::size_t k = static_cast<std::size_t>(same - recordings.begin());
+    path_of.push_back(k < path_of.size() ? path_of[k] : paths++);
+  }
+  return path_of;
+}
+
 bool isOnePathNotDescribed(const std::vector<std::string>& doubts,
                            const std::vector<identification::Observation>& recordings) {
   return !doubts.empty() && followOnePath(recordings);

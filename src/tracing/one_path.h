@@ -9,6 +9,9 @@ namespace knee_robot::tracing {
 bool isOnePathNotDescribed(const std::vector<std::string>& doubts,
                            const std::vector<identification::Observation>& recordings);
 
+/// Of every recording the number of the path that it follows, from 0 on in the order of the recordings.
+std::vector<int> pathsOf(const std::vector<identification::Observation>& recordings);
+
 /// A force that depends on the pose alone, seen along one path only, in a model that leaves much more than the noise
 /// floor: what it stands for (a cable chain's hysteresis, a memory) may be another force in the same pose on another
 /// path. So may what has two names or more and may be unnamed; what acts on all actuators and has two names (where no

@@ -214,14 +214,14 @@ bool isBeside(const Search& s, const EffectsBeside& effects) {
   return (squares.array() <= samples * (kAlike * s.rms_N.array()).square()).all();
 }
 
-bool rebase(Search& s) {
+bool rebase(Search& s, double least_strength) {
   TraceData& data = *s.data;
   EffectsBeside beside = besideOf(s);
-  if (isBeside(s, beside)) return false;
+  if (s.base->strength >= least_strength && isBeside(s, beside)) return false;
   const mechanism::Robot& robot = *data.inputs.front().robot;
   const Eigen::VectorXd start = s.base->start;
-  return adoptBase(
-      s, fitBase(robot, data.recordings, data.stack, s.base->columns, s.options->rank, &start, std::move(beside)));
+  return adoptBase(s, fitBase(robot, data.recordings, data.stack, s.base->columns, s.options->rank, &start,
+                              std::move(beside), least_strength));
 }
 
 }  // namespace knee_robot::tracing

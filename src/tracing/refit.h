@@ -34,9 +34,9 @@ SurrogateModel modelOf(const Search& search);
 void refit(Search& search);
 
 /// Fits the baseline and chooses its laws of friction near rest anew, with the effects' forces taken off, and fits
-/// again.
+/// again. The prior is as strong as held-back blocks choose, and at least this.
 /// True when the law of friction has changed.
-bool rebase(Search& search);
+bool rebase(Search& search, double least_strength = 0.0);
 
 /// Puts another baseline under the effects, with its laws near rest, and fits again. True when those laws are others.
 bool adoptBase(Search& search, BaseFit base);

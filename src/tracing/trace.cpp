@@ -335,6 +335,7 @@ void Tracing::settle() {
   if (!robot_.chain) testElsewhere(s_, result_.notes);
   if (!robot_.chain) doubtNames(s_, result_.notes);
   holdBackOnePath(s_, result_.notes);
+  if (!options_.start && !robot_.chain) settleElsewhere(s_, result_.baseline, result_.notes);
   result_.rejected.insert(result_.rejected.end(), s_.taken_out.begin(), s_.taken_out.end());
   keepFit();
 }

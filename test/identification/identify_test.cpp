@@ -39,6 +39,23 @@ TEST(Identify, RecoversKnownFrictionAndPredictsAnotherTrajectory) {
   EXPECT_LT(applied.accuracy.rms_percent.maxCoeff(), 2.0);
 }
 
+TEST(Identify, HoldsLinksAtLeastAsStronglyAsItIsTold) {
+  const mechanism::Robot robot = syntheticRobot();
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal(0.0, 0.5);
+  IdentifyOptions options;
+  options.uncertainty = false;
+  auto train = observeOne(
+      robot, syntheticRecording(robot, syntheticModel(robot), 0, 20.0, [&] { return normal(random); }), options);
+  const Identification free = identify(robot, train, options);
+  options.least_strength = 1e3 * free.prior.strength;
+  const Identification held = identify(robot, train, options);
+  EXPECT_EQ(held.prior.strength, options.least_strength);
+  EXPECT_LT(held.model.rank, free.model.rank);
+  options.least_strength = 1e-3 * free.prior.strength;
+  EXPECT_EQ(identify(robot, train, options).prior.strength, free.prior.strength);
+}
+
 TEST(Identify, StandardErrorsCoverTheTruth) {
   const mechanism::Robot robot = syntheticBench(3);
   const dynamics::Model truth = syntheticModel(robot);

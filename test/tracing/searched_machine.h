@@ -55,14 +55,17 @@ class SearchedMachine : public testing::Test {
 
   /// The machine has this in both of its recordings.
   void has(const Hypothesis& hypothesis, const Eigen::VectorXd& coefficients) {
-    for (std::size_t r = 0; r < data_.recordings.size(); ++r) {
-      identification::Observation& o = data_.recordings[r];
-      Eigen::MatrixXd force_N(o.samples(), o.axes());
-      for (int i = 0; i < o.axes(); ++i)
-        force_N.col(i) = effectColumns(data_.inputs[r], hypothesis, i) * coefficients;
-      recording::ZeroPhaseLowPass(data_.stack.cutoff_hz, 1.0 / o.signals.period_s).applyToColumns(force_N);
-      o.force_filtered_N += force_N;
-    }
+    for (std::size_t r = 0; r < data_.recordings.size(); ++r)
+      hasIn(r, hypothesis, coefficients);
+  }
+  /// In one of them.
+  void hasIn(std::size_t k, const Hypothesis& hypothesis, const Eigen::VectorXd& coefficients) {
+    identification::Observation& o = data_.recordings[k];
+    Eigen::MatrixXd force_N(o.samples(), o.axes());
+    for (int i = 0; i < o.axes(); ++i)
+      force_N.col(i) = effectColumns(data_.inputs[k], hypothesis, i) * coefficients;
+    recording::ZeroPhaseLowPass(data_.stack.cutoff_hz, 1.0 / o.signals.period_s).applyToColumns(force_N);
+    o.force_filtered_N += force_N;
     BaseFit newtons = base_;
     newtons.noise_N.setOnes();
     data_.all_force_rows = forceRows(newtons, data_.recordings, data_.stack);

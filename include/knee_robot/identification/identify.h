@@ -25,6 +25,9 @@ struct IdentifyOptions {
   /// Parameters, per column, that the fit is pulled towards instead of the robot's own prior; those with a sign do not
   /// count. Empty: the prior's.
   Eigen::VectorXd towards;
+  /// The prior's strength is never weaker. Beside an effect a weaker one may seem as good, and the links bend, which
+  /// shows at other poses.
+  double least_strength = 0.0;
   /// Actuators whose law near rest has no peak, because something else is known to make friction larger there. Empty:
   /// none.
   std::vector<char> without_peak;

@@ -34,6 +34,8 @@ struct BaseFit {
 
   EffectsBeside beside;
 
+  double strength = 0.0;  ///< of the prior, as chosen or at least as asked for
+
   int decided = 0;  ///< combinations of parameters that the data decide rather than the prior
 
   int coordinates() const { return static_cast<int>(basis.cols()); }
@@ -43,10 +45,11 @@ struct BaseFit {
 /// `identify` without standard errors: the same equations, weights, loss, prior, laws. Sets the Coulomb columns of
 /// `training`.
 /// `rank` 0: all directions, pulled towards the prior as held-back blocks choose. With `given` (parameters of a given
-/// model, per column) the pull is towards those; friction and rotors, which have a sign, are fitted anew.
+/// model, per column) the pull is towards those; friction and rotors, which have a sign, are fitted anew. The prior's
+/// strength is at least `least_strength`.
 BaseFit fitBase(const mechanism::Robot& robot, std::vector<identification::Observation>& training, const Stack& stack,
                 const std::vector<identification::Column>& columns, int rank, const Eigen::VectorXd* given = nullptr,
-                EffectsBeside beside = {});
+                EffectsBeside beside = {}, double least_strength = 0.0);
 
 /// A fit of other rows of the same robot, to begin with: sets the Coulomb columns of `training`.
 BaseFit laidUnder(BaseFit known, std::vector<identification::Observation>& training);

@@ -1,0 +1,31 @@
+#pragma once
+
+#include "search.h"
+
+namespace knee_robot::tracing {
+
+/// Squares (weighted) that a model with these effects leaves in each part of the training recordings, everything but
+/// shapes and laws fitted without it.
+using HeldBack = Eigen::VectorXd (*)(Search& search, const std::vector<Hypothesis>& effects,
+                                     const Eigen::VectorXd& noise_N);
+
+/// Parts: stretches of positions in two directions.
+Eigen::VectorXd heldBackPositions(Search& search, const std::vector<Hypothesis>& effects,
+                                  const Eigen::VectorXd& noise_N);
+/// Parts: the paths that recordings follow. Of one path nothing is left to fit to.
+Eigen::VectorXd heldBackPaths(Search& search, const std::vector<Hypothesis>& effects, const Eigen::VectorXd& noise_N);
+
+/// The same of the baseline with its own laws near rest, and with what is local.
+Eigen::VectorXd baselineLeaves(Search& search, const BaseFit& baseline, const std::vector<Hypothesis>& local,
+                               const Eigen::VectorXd& noise_N, HeldBack held_back);
+
+/// Has a force in other recordings.
+bool isPredicted(const FoundEffect& effect);
+
+/// Of recordings along two paths or more, while the model that is fitted without one of them predicts it worse than the
+/// baseline does, and while an effect that is fitted so makes that error larger, moving and in all samples: the effect
+/// that speaks most against itself is left out of predictions elsewhere. Parts of paths that are known otherwise do not
+/// show this.
+void holdBackOfPaths(Search& search, const BaseFit& baseline, std::vector<std::string>& notes);
+
+}  // namespace knee_robot::tracing
