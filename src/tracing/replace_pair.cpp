@@ -13,7 +13,8 @@ namespace {
 constexpr double kSurelyBetter = 2.0;
 constexpr std::size_t kMostRivals = 2;  ///< that are said
 constexpr double kAsLikely = 0.75;      ///< two effects of which the recordings do not tell whether they are one
-constexpr std::size_t kFewest = 2;      ///< actuators with both kinds: on one, two effects are no less likely than one
+constexpr std::size_t kFewestActuators =
+    2;  ///< actuators with both kinds: on one, two effects are no less likely than one
 constexpr std::size_t kMostOfThem =
     2;  ///< both kinds are on one of so many actuators that have the older one, at least
 
@@ -32,7 +33,7 @@ std::set<int> actuatorsOf(const Search& s, const std::string& name) {
 
 /// Whether the two kinds sit on the same actuators, nearly.
 bool isPair(const std::set<int>& special, const std::set<int>& other) {
-  return other.size() >= kFewest && kMostOfThem * other.size() >= special.size() &&
+  return other.size() >= kFewestActuators && kMostOfThem * other.size() >= special.size() &&
          std::includes(special.begin(), special.end(), other.begin(), other.end());
 }
 
