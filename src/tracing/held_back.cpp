@@ -63,17 +63,47 @@ SavedOnPaths savedOnPaths(Search& s, const BaseFit& baseline, const Predicted& p
   return saved;
 }
 
-/// Of what is predicted the effect that speaks most against itself: where all of them together harm, or where it harms
-/// beside the others, while axes move and in all samples. -1: none.
-Eigen::Index mostHarmful(const SavedOnPaths& moving, const SavedOnPaths& all) {
+/// Squares with samples near rest counting little, and with all alike.
+struct Shares {
+  double moving, all;
+  bool anyWorse() const { return moving < 0.0 || all < 0.0; }
+  std::string worseText() const {
+    return shortNumber(-100.0 * moving, 2) + " % of the squares while axes move, " + shortNumber(-100.0 * all, 2) +
+           " % of all";
+  }
+};
+
+/// The number of the effect that speaks most against itself: it harms beside the others, moving and in all samples, or
+/// where all together harm the sum of both. -1: none.
+Eigen::Index mostHarmful(const SavedOnPaths& moving, const SavedOnPaths& all, bool together) {
   const Eigen::ArrayXd sum = moving.each + all.each;
   Eigen::Index worst = -1;
-  const bool harm_together = moving.together < 0.0 || all.together < 0.0;
   for (Eigen::Index k = 0; k < sum.size(); ++k) {
-    const bool harms = moving.each[k] < 0.0 && all.each[k] < 0.0;
-    if ((harm_together || harms) && (worst < 0 || sum[k] < sum[worst])) worst = k;
+    const bool harms = (moving.each[k] < 0.0 && all.each[k] < 0.0) || (together && sum[k] < 0.0);
+    if (harms && (worst < 0 || sum[k] < sum[worst])) worst = k;
   }
   return worst;
+}
+
+/// One round: what is left out, and why; empty: all that is predicted may stay.
+std::string leaveOutOne(Search& s, const BaseFit& baseline, const Predicted& p) {
+  const SavedOnPaths moving = savedOnPaths(s, baseline, p, Attention::Moving);
+  const SavedOnPaths all = savedOnPaths(s, baseline, p, Attention::All);
+  const Shares together = {moving.together, all.together};
+  const Eigen::Index worst = mostHarmful(moving, all, together.anyWorse());
+  if (worst >= 0) {
+    FoundEffect& e = s.effects[p.effects[static_cast<std::size_t>(worst)]];
+    e.transfers = false;
+    return placeText(e.hypothesis.place) +
+           ": fitted without one of the paths it makes the error along that path larger (" +
+           Shares{moving.each[worst], all.each[worst]}.worseText() + "); it is left out of predictions elsewhere.";
+  }
+  if (!together.anyWorse()) return {};
+  for (const std::size_t k : p.effects)
+    s.effects[k].transfers = false;
+  return "Fitted without one of the paths the model with what was found predicts that path worse than the baseline "
+         "does (" +
+         together.worseText() + "): elsewhere the baseline is predicted.";
 }
 
 }  // namespace
@@ -129,19 +159,9 @@ void holdBackOfPaths(Search& s, const BaseFit& baseline, std::vector<std::string
   if (*std::max_element(path_of.begin(), path_of.end()) == 0) return;
   const Attention own = s.attention;
   for (Predicted p = predictedOf(s); !p.effects.empty(); p = predictedOf(s)) {
-    const SavedOnPaths moving = savedOnPaths(s, baseline, p, Attention::Moving);
-    const SavedOnPaths all = savedOnPaths(s, baseline, p, Attention::All);
-    const Eigen::Index worst = mostHarmful(moving, all);
-    if (worst < 0) break;
-    FoundEffect& e = s.effects[p.effects[static_cast<std::size_t>(worst)]];
-    e.transfers = false;
-    notes.push_back(placeText(e.hypothesis.place) +
-                    (moving.together < 0.0 || all.together < 0.0
-                         ? ": fitted without one of the paths the model predicts that path worse than the baseline does"
-                         : ": fitted without one of the paths it makes the error along that path larger") +
-                    " (" + shortNumber(-100.0 * moving.each[worst], 2) + " % of the squares while axes move, " +
-                    shortNumber(-100.0 * all.each[worst], 2) +
-                    " % of all, by this effect); it is left out of predictions elsewhere.");
+    const std::string why = leaveOutOne(s, baseline, p);
+    if (why.empty()) break;
+    notes.push_back(why);
   }
   s.attention = own;
   setAttention(*s.data, own);

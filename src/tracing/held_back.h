@@ -22,10 +22,9 @@ Eigen::VectorXd baselineLeaves(Search& search, const BaseFit& baseline, const st
 /// Has a force in other recordings.
 bool isPredicted(const FoundEffect& effect);
 
-/// Of recordings along two paths or more, while the model that is fitted without one of them predicts it worse than the
-/// baseline does, and while an effect that is fitted so makes that error larger, moving and in all samples: the effect
-/// that speaks most against itself is left out of predictions elsewhere. Parts of paths that are known otherwise do not
-/// show this.
+/// Of recordings along two paths or more each is left out in turn. An effect that makes the error there larger is not
+/// predicted elsewhere, the worst first; where all that is left is worse than the baseline, nothing is. Parts of paths
+/// that are known otherwise do not show this.
 void holdBackOfPaths(Search& search, const BaseFit& baseline, std::vector<std::string>& notes);
 
 }  // namespace knee_robot::tracing
