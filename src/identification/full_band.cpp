@@ -14,7 +14,7 @@ namespace {
 constexpr double kStep = 1.5;            ///< between the low-passes that are tried
 constexpr double kShareOfRate = 0.4;     ///< of the recording's rate: the highest
 constexpr double kSamplesPerCycle = 10;  ///< of the grid, at the low-pass
-constexpr double kWorthwhile = 0.99;     ///< of the rows' error
+constexpr double kWorthwhile = 0.95;     ///< of the rows' error: along another path friction at rest is another force
 constexpr double kNoWorse = 1.005;       ///< of the error in the fit's band
 constexpr double kNarrowest = 0.5;       ///< low-pass that is tried, of the fit's cut-off
 constexpr double kDrowned = 1.5;         ///< error of the widest that was tried, of the best one

@@ -28,7 +28,7 @@ ObservationOptions fullBandOptions(const ObservationOptions& fit, double motion_
 
 /// Chooses the low-pass of the positions, narrower or wider than that of the fit, by the error of the training
 /// recordings' rows, forces not filtered: encoders' noise, twice differentiated, ends the band. Another one than the
-/// fit's is taken only where it lowers that error by a hundredth and does not raise the error in the fit's band by more
+/// fit's is taken only where it lowers that error by a twentieth and does not raise the error in the fit's band by more
 /// than half a hundredth.
 FullBand chooseFullBand(const mechanism::Robot& robot, const std::vector<Column>& columns,
                         const std::vector<recording::Recording>& training, const ObservationOptions& fit,
