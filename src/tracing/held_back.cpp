@@ -1,6 +1,7 @@
 #include "held_back.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "knee_robot/base/numbers.h"
 #include "knee_robot/base/parallel.h"
@@ -67,9 +68,12 @@ SavedOnPaths savedOnPaths(Search& s, const BaseFit& baseline, const Predicted& p
 struct Shares {
   double moving, all;
   bool anyWorse() const { return moving < 0.0 || all < 0.0; }
-  std::string worseText() const {
-    return shortNumber(-100.0 * moving, 2) + " % of the squares while axes move, " + shortNumber(-100.0 * all, 2) +
-           " % of all";
+  /// What is left in place of it.
+  std::string text() const {
+    const auto change = [](double saved) {
+      return (saved < 0.0 ? "+" : "-") + shortNumber(100.0 * std::abs(saved), 2) + " %";
+    };
+    return "squares while axes move " + change(moving) + ", of all samples " + change(all);
   }
 };
 
@@ -96,14 +100,14 @@ std::string leaveOutOne(Search& s, const BaseFit& baseline, const Predicted& p) 
     e.transfers = false;
     return placeText(e.hypothesis.place) +
            ": fitted without one of the paths it makes the error along that path larger (" +
-           Shares{moving.each[worst], all.each[worst]}.worseText() + "); it is left out of predictions elsewhere.";
+           Shares{moving.each[worst], all.each[worst]}.text() + "); it is left out of predictions elsewhere.";
   }
   if (!together.anyWorse()) return {};
   for (const std::size_t k : p.effects)
     s.effects[k].transfers = false;
   return "Fitted without one of the paths the model with what was found predicts that path worse than the baseline "
          "does (" +
-         together.worseText() + "): elsewhere the baseline is predicted.";
+         together.text() + "): elsewhere the baseline is predicted.";
 }
 
 }  // namespace
