@@ -68,6 +68,7 @@ SavedOnPaths savedOnPaths(Search& s, const BaseFit& baseline, const Predicted& p
 struct Shares {
   double moving, all;
   bool anyWorse() const { return moving < 0.0 || all < 0.0; }
+  bool bothWorse() const { return moving < 0.0 && all < 0.0; }
   /// What is left in place of it.
   std::string text() const {
     const auto change = [](double saved) {
@@ -78,12 +79,15 @@ struct Shares {
 };
 
 /// The number of the effect that speaks most against itself: it harms beside the others, moving and in all samples, or
-/// where all together harm the sum of both. -1: none.
-Eigen::Index mostHarmful(const SavedOnPaths& moving, const SavedOnPaths& all, bool together) {
+/// where all together harm the sum of both. A force that depends on the pose acts in motion as at rest: it harms where it
+/// does in one of them. -1: none.
+Eigen::Index mostHarmful(const SavedOnPaths& moving, const SavedOnPaths& all, const Predicted& p, bool together) {
   const Eigen::ArrayXd sum = moving.each + all.each;
   Eigen::Index worst = -1;
   for (Eigen::Index k = 0; k < sum.size(); ++k) {
-    const bool harms = (moving.each[k] < 0.0 && all.each[k] < 0.0) || (together && sum[k] < 0.0);
+    const Shares own = {moving.each[k], all.each[k]};
+    const bool field = p.hypotheses[static_cast<std::size_t>(k)].place.candidate->isForceField();
+    const bool harms = (field ? own.anyWorse() : own.bothWorse()) || (together && sum[k] < 0.0);
     if (harms && (worst < 0 || sum[k] < sum[worst])) worst = k;
   }
   return worst;
@@ -94,7 +98,7 @@ std::string leaveOutOne(Search& s, const BaseFit& baseline, const Predicted& p) 
   const SavedOnPaths moving = savedOnPaths(s, baseline, p, Attention::Moving);
   const SavedOnPaths all = savedOnPaths(s, baseline, p, Attention::All);
   const Shares together = {moving.together, all.together};
-  const Eigen::Index worst = mostHarmful(moving, all, together.anyWorse());
+  const Eigen::Index worst = mostHarmful(moving, all, p, together.anyWorse());
   if (worst >= 0) {
     FoundEffect& e = s.effects[p.effects[static_cast<std::size_t>(worst)]];
     e.transfers = false;
