@@ -64,30 +64,22 @@ SavedOnPaths savedOnPaths(Search& s, const BaseFit& baseline, const Predicted& p
   return saved;
 }
 
-/// Squares with samples near rest counting little, and with all alike.
-struct Shares {
-  double moving, all;
-  bool anyWorse() const { return moving < 0.0 || all < 0.0; }
-  bool bothWorse() const { return moving < 0.0 && all < 0.0; }
-  /// What is left in place of it.
-  std::string text() const {
-    const auto change = [](double saved) {
-      return (saved < 0.0 ? "+" : "-") + shortNumber(100.0 * std::abs(saved), 2) + " %";
-    };
-    return "squares while axes move " + change(moving) + ", of all samples " + change(all);
-  }
-};
+/// Changes of squares that are the negative of these shares saved.
+std::string changes(double moving, double all) {
+  const auto change = [](double saved) {
+    return (saved < 0.0 ? "+" : "-") + shortNumber(100.0 * std::abs(saved), 2) + " %";
+  };
+  return "squares while axes move " + change(moving) + ", of all samples " + change(all);
+}
 
-/// The number of the effect that speaks most against itself: it harms beside the others, moving and in all samples, or
-/// where all together harm the sum of both. A force that depends on the pose acts in motion as at rest: it harms where it
-/// does in one of them. -1: none.
+/// The number of the effect that speaks most against itself, beside the others or, where all together harm, by the sum
+/// of what it saves. -1: none.
 Eigen::Index mostHarmful(const SavedOnPaths& moving, const SavedOnPaths& all, const Predicted& p, bool together) {
   const Eigen::ArrayXd sum = moving.each + all.each;
   Eigen::Index worst = -1;
   for (Eigen::Index k = 0; k < sum.size(); ++k) {
-    const Shares own = {moving.each[k], all.each[k]};
     const bool field = p.hypotheses[static_cast<std::size_t>(k)].place.candidate->isForceField();
-    const bool harms = (field ? own.anyWorse() : own.bothWorse()) || (together && sum[k] < 0.0);
+    const bool harms = harmsElsewhere(moving.each[k], all.each[k], field) || (together && sum[k] < 0.0);
     if (harms && (worst < 0 || sum[k] < sum[worst])) worst = k;
   }
   return worst;
@@ -97,21 +89,21 @@ Eigen::Index mostHarmful(const SavedOnPaths& moving, const SavedOnPaths& all, co
 std::string leaveOutOne(Search& s, const BaseFit& baseline, const Predicted& p) {
   const SavedOnPaths moving = savedOnPaths(s, baseline, p, Attention::Moving);
   const SavedOnPaths all = savedOnPaths(s, baseline, p, Attention::All);
-  const Shares together = {moving.together, all.together};
-  const Eigen::Index worst = mostHarmful(moving, all, p, together.anyWorse());
+  const bool together = moving.together < 0.0 || all.together < 0.0;
+  const Eigen::Index worst = mostHarmful(moving, all, p, together);
   if (worst >= 0) {
     FoundEffect& e = s.effects[p.effects[static_cast<std::size_t>(worst)]];
     e.transfers = false;
     return placeText(e.hypothesis.place) +
            ": fitted without one of the paths it makes the error along that path larger (" +
-           Shares{moving.each[worst], all.each[worst]}.text() + "); it is left out of predictions elsewhere.";
+           changes(moving.each[worst], all.each[worst]) + "); it is left out of predictions elsewhere.";
   }
-  if (!together.anyWorse()) return {};
+  if (!together) return {};
   for (const std::size_t k : p.effects)
     s.effects[k].transfers = false;
   return "Fitted without one of the paths the model with what was found predicts that path worse than the baseline "
          "does (" +
-         together.text() + "): elsewhere the baseline is predicted.";
+         changes(moving.together, all.together) + "); it is left out of predictions elsewhere.";
 }
 
 }  // namespace
@@ -156,6 +148,10 @@ Eigen::VectorXd baselineLeaves(Search& s, const BaseFit& baseline, const std::ve
   for (identification::Observation& o : data.recordings)
     identification::setFriction(o, s.base->columns, s.base->friction_laws);
   return left;
+}
+
+bool harmsElsewhere(double moving, double all, bool force_field) {
+  return force_field ? moving < 0.0 || all < 0.0 : moving < 0.0 && all < 0.0;
 }
 
 bool isPredicted(const FoundEffect& e) {

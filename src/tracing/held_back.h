@@ -19,6 +19,11 @@ Eigen::VectorXd heldBackPaths(Search& search, const std::vector<Hypothesis>& eff
 Eigen::VectorXd baselineLeaves(Search& search, const BaseFit& baseline, const std::vector<Hypothesis>& local,
                                const Eigen::VectorXd& noise_N, HeldBack held_back);
 
+/// Whether an effect that saves these squares on what was held back, while axes move and in all samples, speaks against
+/// itself: in both, because near rest friction may take any value. A force that depends on the pose acts in motion as at
+/// rest: in one of them.
+bool harmsElsewhere(double moving, double all, bool force_field);
+
 /// Has a force in other recordings.
 bool isPredicted(const FoundEffect& effect);
 

@@ -11,10 +11,9 @@ namespace knee_robot::tracing {
 namespace {
 
 constexpr double kSurelyBetter = 2.0;
-constexpr std::size_t kMostRivals = 2;  ///< that are said
-constexpr double kAsLikely = 0.75;      ///< two effects of which the recordings do not tell whether they are one
-constexpr std::size_t kFewestActuators =
-    2;  ///< actuators with both kinds: on one, two effects are no less likely than one
+constexpr std::size_t kMostRivals = 2;       ///< that are said
+constexpr double kAsLikely = 0.75;           ///< two effects of which the recordings do not tell whether they are one
+constexpr std::size_t kFewestActuators = 2;  ///< with both kinds: on one, two effects are no less likely than one
 constexpr std::size_t kMostOfThem =
     2;  ///< both kinds are on one of so many actuators that have the older one, at least
 

@@ -377,8 +377,8 @@ void Tracing::predictElsewhere() {
     elsewhere.seen_parameters = fit.seen_parameters;
   } else {
     result_.notes.push_back(
-        std::string(described ? "At held-back positions of the training recordings nothing that was found is surely "
-                                "better than the baseline: "
+        std::string(described ? "In held-back parts of the training recordings nothing that was found is surely better "
+                                "than the baseline: "
                               : "The baseline does not describe the one path that was seen: ") +
         "elsewhere the baseline is predicted.");
     adoptBase(s_, result_.baseline);  // a model has one law near rest: that of what is predicted elsewhere

@@ -74,6 +74,15 @@ TEST_F(HeldBackPaths, WhatSpeaksAgainstItselfIsLeftOutAndTheOtherStays) {
   EXPECT_EQ(notes_.size(), 1u);
 }
 
+TEST(HarmsElsewhere, AForceOverThePoseMustHelpInMotionAndAtRestOthersInOneOfThem) {
+  EXPECT_FALSE(harmsElsewhere(-0.01, 0.13, false));
+  EXPECT_FALSE(harmsElsewhere(0.13, -0.01, false));
+  EXPECT_TRUE(harmsElsewhere(-0.01, -0.01, false));
+  EXPECT_TRUE(harmsElsewhere(-0.01, 0.13, true));
+  EXPECT_TRUE(harmsElsewhere(0.13, -0.01, true));
+  EXPECT_FALSE(harmsElsewhere(0.13, 0.13, true));
+}
+
 TEST_F(HeldBackPaths, OfOnePathNobodyIsAsked) {
   data_.recordings[1] = data_.recordings[0];
   hasAlongPaths(gain_, 0.25, 0.05);
