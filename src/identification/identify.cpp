@@ -305,6 +305,11 @@ Identification identify(const mechanism::Robot& robot, std::vector<Observation>&
   const std::vector<FrictionRange> ranges = frictionRanges(robot, training, narrowest, options.without_peak);
   for (const double width : narrowest)
     id.model.friction.push_back(dynamics::stopLaw(width));
+  const Identification* const known = options.friction ? options.laws_of.get() : nullptr;
+  if (known != nullptr) {
+    id.friction = known->friction;
+    id.model.friction = known->model.friction;
+  }
   for (Observation& o : training)
     setFriction(o, id.columns, id.model.friction);
 
@@ -314,11 +319,17 @@ Identification identify(const mechanism::Robot& robot, std::vector<Observation>&
   id.force_rms_N = rmsPerActuator(equations, equations.b);
   const Setting setting{id.columns, use, priorTowards(options.towards, robot, id.columns, id.force_rms_N),
                         options.rank};
-  const Eigen::VectorXd nothing = Eigen::VectorXd::Zero(equations.a.cols());
-  Stage stage = solveStage(equations, noiseAfter(equations, nothing), setting, kFirstStrength);
-  stage = solveStage(equations, noiseAfter(equations, stage.parameters), setting, kFirstStrength);
-  if (options.friction) chooseLaws(training, options, ranges, setting, equations, stage, id);
-  const Eigen::VectorXd before = stage.parameters;
+  Stage stage;
+  if (known != nullptr) {
+    id.beside_laws = known->beside_laws;
+  } else {
+    const Eigen::VectorXd nothing = Eigen::VectorXd::Zero(equations.a.cols());
+    stage = solveStage(equations, noiseAfter(equations, nothing), setting, kFirstStrength);
+    stage = solveStage(equations, noiseAfter(equations, stage.parameters), setting, kFirstStrength);
+    if (options.friction) chooseLaws(training, options, ranges, setting, equations, stage, id);
+    id.beside_laws = stage.parameters;
+  }
+  const Eigen::VectorXd& before = id.beside_laws;
   stage = solveStage(equations, noiseAfter(equations, before), setting, kFirstStrength, &before);
   if (options.friction) refuseRank(options.rank, stage.reduction, training);
   id.prior = chooseStrength(stage.equations, id.columns, use, setting.prior);

@@ -128,16 +128,18 @@ recording::CutoffChoice cutoffOf(const mechanism::Robot& robot, const std::vecto
   return choice;
 }
 
-void chooseSmoothing(const mechanism::Robot& robot, const std::vector<identification::Column>& columns,
-                     const std::vector<recording::Recording>& recordings, identification::ObservationOptions& options,
-                     std::vector<identification::Observation>& training, std::string& sentence) {
+std::shared_ptr<const identification::Identification> chooseSmoothing(
+    const mechanism::Robot& robot, const std::vector<identification::Column>& columns,
+    const std::vector<recording::Recording>& recordings, identification::ObservationOptions& options,
+    std::vector<identification::Observation>& training, std::string& sentence) {
   const identification::MotionBand band =
       identification::chooseMotionBand(robot, columns, recordings, training, options);
-  if (band.sentence.empty()) return;
+  if (band.sentence.empty()) return band.fit;
   if (band.cutoff_hz > 0.0) options.setCutoff(options.cutoff_hz, band.cutoff_hz);
   options.taut_steps = band.taut_steps;
   training = identification::observeAll(robot, columns, recordings, options);
   sentence += " " + band.sentence;
+  return band.fit;
 }
 
 }  // namespace knee_robot::nodes

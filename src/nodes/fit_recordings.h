@@ -1,9 +1,10 @@
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
-#include "knee_robot/identification/observation.h"
+#include "knee_robot/identification/identify.h"
 #include "knee_robot/mechanism/robot.h"
 #include "knee_robot/recording/cutoff.h"
 #include "knee_robot/recording/recording.h"
@@ -35,9 +36,10 @@ recording::CutoffChoice cutoffOf(const mechanism::Robot& robot, const std::vecto
                                  double given_hz);
 
 /// Observes the training recordings anew where their positions are to be smoothed in another way (motion_band.h), and
-/// says so.
-void chooseSmoothing(const mechanism::Robot& robot, const std::vector<identification::Column>& columns,
-                     const std::vector<recording::Recording>& recordings, identification::ObservationOptions& options,
-                     std::vector<identification::Observation>& training, std::string& sentence);
+/// says so. Returns what was fitted to them on the way, without standard errors; null: nothing.
+std::shared_ptr<const identification::Identification> chooseSmoothing(
+    const mechanism::Robot& robot, const std::vector<identification::Column>& columns,
+    const std::vector<recording::Recording>& recordings, identification::ObservationOptions& options,
+    std::vector<identification::Observation>& training, std::string& sentence);
 
 }  // namespace knee_robot::nodes

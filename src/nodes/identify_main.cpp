@@ -176,7 +176,9 @@ int run(const Arguments& a, const std::string& command_line) {
     training = nodes::inUnits(robot, read);
     r.train = identification::observeAll(robot, columns, training, r.options.observation);
   }
-  nodes::chooseSmoothing(robot, columns, training, r.options.observation, r.train, r.cutoff.sentence);
+  const auto tried =
+      nodes::chooseSmoothing(robot, columns, training, r.options.observation, r.train, r.cutoff.sentence);
+  if (r.options.rank == 0) r.options.laws_of = tried;  // of all directions
   const std::vector<recording::Recording> validation = nodes::inUnits(robot, read_validation);
   r.validate = identification::observeAll(robot, columns, validation, r.options.observation);
   identification::requireForces(robot, r.validate, r.options.observation);

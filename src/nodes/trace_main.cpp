@@ -168,7 +168,9 @@ std::vector<recording::Recording> observeTraining(const Arguments& a, mechanism:
     train = nodes::inUnits(robot, read);
     r.train = identification::observeAll(robot, columns, train, r.options.observation);
   }
-  if (!r.options.start) nodes::chooseSmoothing(robot, columns, train, r.options.observation, r.train, cutoff.sentence);
+  if (!r.options.start)
+    r.options.laws_of = nodes::chooseSmoothing(robot, columns, train, r.options.observation, r.train, cutoff.sentence);
+  if (r.options.rank > 0) r.options.laws_of = nullptr;  // those of all directions
   return train;
 }
 

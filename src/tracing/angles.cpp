@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "knee_robot/base/parallel.h"
+
 namespace knee_robot::tracing {
 namespace {
 
@@ -52,16 +54,21 @@ Eigen::VectorXd cosines(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
 
 std::vector<PlaceAngles> principalAngles(const TraceData& data, const std::vector<PlaceColumns>& places,
                                          const Projection& base, const Eigen::VectorXd& noise_N) {
-  std::vector<Group> groups;
+  std::vector<const PlaceColumns*> named;
   for (const PlaceColumns& p : places) {
-    if (p.place().candidate->isMap()) continue;
+    if (!p.place().candidate->isMap()) named.push_back(&p);
+  }
+  std::vector<Group> groups(named.size());
+  inParallel(named.size(), [&](std::size_t k) {
+    const PlaceColumns& p = *named[k];
     Eigen::Index best = 0;
     explained(makeProbes(data, p.tried, p.rows, p.first_row, base, noise_N), base.residual).col(0).maxCoeff(&best);
-    groups.push_back(groupOf(data, p.tried[static_cast<std::size_t>(best)], base, noise_N));
-  }
-  std::vector<PlaceAngles> out;
-  for (const Group& g : groups) {
-    PlaceAngles a;
+    groups[k] = groupOf(data, p.tried[static_cast<std::size_t>(best)], base, noise_N);
+  });
+  std::vector<PlaceAngles> out(groups.size());
+  inParallel(groups.size(), [&](std::size_t k) {
+    const Group& g = groups[k];
+    PlaceAngles& a = out[k];
     a.place = g.place;
     if (g.q.cols() > 0) {
       const Eigen::VectorXd to_base = cosines(base.q, g.q);
@@ -76,8 +83,7 @@ std::vector<PlaceAngles> principalAngles(const TraceData& data, const std::vecto
     }
     std::sort(a.nearest.begin(), a.nearest.end(), [](const auto& x, const auto& y) { return x.angle < y.angle; });
     a.nearest.resize(std::min(a.nearest.size(), kNearest));
-    out.push_back(std::move(a));
-  }
+  });
   return out;
 }
 

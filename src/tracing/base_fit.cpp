@@ -69,8 +69,7 @@ BaseFit inCoordinates(const identification::Identification& id, const Stack& sta
 }  // namespace
 
 BaseFit fitBase(const mechanism::Robot& robot, std::vector<identification::Observation>& training, const Stack& stack,
-                const std::vector<identification::Column>& columns, int rank, const Eigen::VectorXd* given,
-                EffectsBeside beside, double least_strength) {
+                const std::vector<identification::Column>& columns, BaseOptions how) {
   if (stack.size() < kFewestSamples) {
     throw Refusal("only " + std::to_string(stack.size()) + " usable samples in the training recordings (at least " +
                   std::to_string(kFewestSamples) + " are needed): record a longer motion, away from singular poses");
@@ -78,15 +77,16 @@ BaseFit fitBase(const mechanism::Robot& robot, std::vector<identification::Obser
   identification::IdentifyOptions options;
   options.observation.cutoff_hz = stack.cutoff_hz;
   options.observation.most_rows = stack.most_rows;
-  options.rank = rank;
+  options.rank = how.rank;
   options.uncertainty = false;
-  if (given != nullptr) options.towards = *given;
-  options.without_peak = beside.without_peak;
-  options.least_strength = least_strength;
+  options.towards = how.given;
+  options.without_peak = how.beside.without_peak;
+  options.least_strength = how.least_strength;
+  options.laws_of = how.laws_of;
   BaseFit base;
   Eigen::VectorXd residual(stack.size() * stack.axes);
   {
-    const WithoutEffects without(training, beside, stack.cutoff_hz);
+    const WithoutEffects without(training, how.beside, stack.cutoff_hz);
     base = inCoordinates(identification::identify(robot, training, options), stack);
     for (int i = 0; i < stack.axes; ++i) {
       std::vector<Eigen::MatrixXd> modelled;
@@ -105,7 +105,7 @@ BaseFit fitBase(const mechanism::Robot& robot, std::vector<identification::Obser
         1e-6, residual.segment(i * stack.size(), stack.size()).norm() / std::sqrt(static_cast<double>(stack.size())));
   }
   if (base.columns.size() != columns.size()) throw std::invalid_argument("columns of another robot");
-  base.beside = std::move(beside);
+  base.beside = std::move(how.beside);
   return base;
 }
 

@@ -219,9 +219,12 @@ bool rebase(Search& s, double least_strength) {
   EffectsBeside beside = besideOf(s);
   if (s.base->strength >= least_strength && isBeside(s, beside)) return false;
   const mechanism::Robot& robot = *data.inputs.front().robot;
-  const Eigen::VectorXd start = s.base->start;
-  return adoptBase(s, fitBase(robot, data.recordings, data.stack, s.base->columns, s.options->rank, &start,
-                              std::move(beside), least_strength));
+  BaseOptions how;
+  how.rank = s.options->rank;
+  how.given = s.base->start;
+  how.beside = std::move(beside);
+  how.least_strength = least_strength;
+  return adoptBase(s, fitBase(robot, data.recordings, data.stack, s.base->columns, std::move(how)));
 }
 
 }  // namespace knee_robot::tracing

@@ -26,6 +26,7 @@ constexpr double kWorthwhile = 0.4;    ///< lowering the rms by a tenth explains
 constexpr double kSiblingWorth = 0.2;  ///< lowering it by three hundredths explains 0.24
 constexpr double kLeastSpread = 0.01;  ///< of a place's null values: absorbed places have none
 constexpr double kDiscount = 0.8;      ///< a map must explain this much more than a named effect to be preferred
+constexpr double kAboveFloor = 1.15;   ///< is more than noise
 constexpr double kAnotherKind = 0.9;   ///< as another ripple must than a further period of what ripples already
 
 /// Sum of the held-back gains by which trials are ranked; of maps and generalizations what they surely gain, because
@@ -62,8 +63,7 @@ class ForceSelection : public SelectionProblem {
 
   std::vector<SelectionTrial> compare() override {
     trials_.clear();
-    const double above = like_ != nullptr ? 1.0 : 1.15;
-    if (!((s_.rms_N.array() > above * s_.floor.rms_N.array()).any())) return {};
+    if (like_ == nullptr ? !exceedsFloor(s_) : (s_.rms_N.array() <= s_.floor.rms_N.array()).all()) return {};
     Ranking r = rankPlaces(s_, like_);
     projection_ = std::move(r.projection);
     trials_ = std::move(r.trials);
@@ -170,6 +170,10 @@ std::string placeText(const Place& p) {
       p.candidate->isMap() ? "unnamed (" + p.candidate->dependsOn(std::max(0, p.actuator)) + ")" : p.candidate->name();
   return what + (p.actuator < 0 ? " (all actuators)" : " on actuator " + std::to_string(p.actuator + 1)) +
          (p.order > 0 ? ", period " + std::to_string(p.order + 1) : "");
+}
+
+bool exceedsFloor(const Search& s) {
+  return (s.rms_N.array() > kAboveFloor * s.floor.rms_N.array()).any();
 }
 
 void searchForward(Search& s, int most, std::uint64_t seed) {

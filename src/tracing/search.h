@@ -33,6 +33,9 @@ struct Search {
   std::vector<std::string> taken_out;  ///< what was found and did not stay
 };
 
+/// The residual of some actuator is more than its noise floor allows: there is something to be explained.
+bool exceedsFloor(const Search& search);
+
 /// Adds what the library holds, named effects and maps in the same pass, one after the other while they pass every
 /// test; the same effect on other actuators follows at once. At most `most` additions, those not counted.
 void searchForward(Search& search, int most, std::uint64_t seed);

@@ -5,6 +5,7 @@
 #include <iterator>
 #include <map>
 #include <set>
+#include <utility>
 
 #include "absorbed.h"
 #include "abstain.h"
@@ -20,6 +21,7 @@
 #include "knee_robot/recording/signals.h"
 #include "near_rest.h"
 #include "one_path.h"
+#include "predict_elsewhere.h"
 #include "refine.h"
 #include "refit.h"
 #include "rivals.h"
@@ -38,7 +40,7 @@ constexpr double kFastestShareOfRate = 0.1;
 constexpr double kLeastFaster = 1.5;       ///< below which a second band would be the first one again
 constexpr double kMoreThanItsNoise = 1.5;  ///< floors
 constexpr int kFastSurrogates = 5;
-constexpr int kMostFastRows = 50'000;  ///< of its baseline: at 1 kHz there are four times as many, which say no more
+constexpr int kMostFastRows = 16'000;  ///< of its baseline: five a period of its cut-off say as much as ten
 
 /// One run of tracing: its stages in order, and what they share.
 class Tracing {
@@ -57,9 +59,18 @@ class Tracing {
     searchSurfaces();
     searchFastBand();
     settle();
-    predictElsewhere();
+    predictElsewhere(robot_, s_, result_);
     fitFeedforward(s_, result_, options_.start != nullptr);
     return std::move(result_);
+  }
+
+  /// Whether the second band, in which nothing but the first one's baseline is fitted, leaves no more than noise.
+  bool isQuiet(std::vector<identification::Observation> training, const Tracing& slow) {
+    fitBaseline(std::move(training), &slow.result_.base);
+    planSurrogates(true);
+    if (exceedsFloor(s_)) return false;
+    attend(Attention::Moving);
+    return !exceedsFloor(s_);
   }
 
   /// The second band: what shows in fast motion only, beside what `slow` has found. Returns what leads, which was looked
@@ -93,12 +104,11 @@ class Tracing {
   void startFromGivenModel();
   void describeBaseline();
   void searchEffects();
+  void offerMaps();
   int kindsLeft() const;  ///< that may still be added
   void searchSurfaces();
   void searchFastBand();
   void settle();
-  void keepFit();
-  void predictElsewhere();
 
   void attend(Attention next);
   void simulate(const SurrogateModel& model);
@@ -113,6 +123,7 @@ class Tracing {
   std::vector<SurrogatePlan> plans_;
   Library library_;
   CandidateList maps_;  ///< of the given model, and those that are tried
+  bool maps_offered_ = false;
   std::size_t given_effects_ = 0;
   Search s_;
   TraceResult result_;
@@ -120,17 +131,18 @@ class Tracing {
 
 /// `known`: to begin with where effects are found already, and it will be fitted anew beside them.
 void Tracing::fitBaseline(std::vector<identification::Observation> training, const BaseFit* known) {
-  options_.progress("fitting the baseline");
+  if (known == nullptr) options_.progress("fitting the baseline");
   data_.recordings = std::move(training);
   for (const identification::Observation& o : data_.recordings)
     result_.home_ids.push_back(o.home_id);
   data_.stack = makeStack(data_.recordings, options_.observation);
-  Eigen::VectorXd given;
-  if (options_.start) given = startParameters(*options_.start, identification::columnsOf(robot_));
   BaseFit& base = result_.base;
   if (known == nullptr) {
-    base = fitBase(robot_, data_.recordings, data_.stack, identification::columnsOf(robot_), options_.rank,
-                   options_.start ? &given : nullptr);
+    BaseOptions how;
+    how.rank = options_.rank;
+    if (options_.start) how.given = startParameters(*options_.start, identification::columnsOf(robot_));
+    how.laws_of = options_.laws_of;
+    base = fitBase(robot_, data_.recordings, data_.stack, identification::columnsOf(robot_), std::move(how));
     result_.doubts =
         identification::doubtsAboutFit(robot_, base.columns, base.parameters, data_.recordings, options_.observation);
   } else {
@@ -211,9 +223,12 @@ void Tracing::gatherCandidates() {
   result_.candidates = std::make_shared<CandidateList>(namedCandidates(robot_));
   library_.add(*result_.candidates, data_);
   updateNearRest(s_);
-  if (options_.most_effects == 0 || !options_.maps) return;
-  maps_ = mapCandidates(data_.inputs);
-  library_.add(maps_, data_);
+  if (options_.most_effects > 0 && options_.maps) maps_ = mapCandidates(data_.inputs);
+}
+
+/// When they are needed: their columns are half of what a recording costs that has nothing to explain.
+void Tracing::offerMaps() {
+  if (!std::exchange(maps_offered_, true)) library_.add(maps_, data_);
 }
 
 void Tracing::startFromGivenModel() {
@@ -255,6 +270,7 @@ void Tracing::searchEffects() {
   for (const Attention attention : {Attention::Moving, Attention::All}) {
     attend(attention);
     s_.maps = attention == Attention::Moving;  // near rest a map over velocity mends the law of friction
+    if (s_.maps && exceedsFloor(s_)) offerMaps();
     options_.progress(attention == Attention::Moving ? "looking at moving samples" : "looking at all samples");
     searchForward(s_, kindsLeft(), options_.seed + (attention == Attention::All ? 50u : 0u));
     result_.rejected.insert(result_.rejected.end(), s_.rejected.begin(), s_.rejected.end());
@@ -268,6 +284,7 @@ void Tracing::searchSurfaces() {
   attend(Attention::Moving);
   if ((s_.rms_N.array() > kMoreThanItsNoise * s_.floor.rms_N.array()).any()) {
     options_.progress("looking at surfaces over two signals");
+    offerMaps();
     CandidateList surfaces;
     addSurfaces(data_.inputs, surfaces);
     library_.add(surfaces, data_);
@@ -297,10 +314,13 @@ void Tracing::searchFastBand() {
   options.observation.setCutoff(fast_hz);
   options.observation.most_rows = kMostFastRows;
   options.start = nullptr;
+  options.laws_of = nullptr;
   options.surrogates = kFastSurrogates;
+  std::vector<identification::Observation> training =
+      identification::observeAll(robot_, s_.base->columns, recordings_, options.observation);
+  if (s_.effects.empty() && Tracing(robot_, recordings_, options).isQuiet(training, *this)) return;
   Tracing fast(robot_, recordings_, options);
-  const std::vector<FoundEffect> seen =
-      fast.runFast(identification::observeAll(robot_, s_.base->columns, recordings_, options.observation), *this);
+  const std::vector<FoundEffect> seen = fast.runFast(std::move(training), *this);
   const auto known = std::find_if(s_.effects.begin(), s_.effects.end(), leads);
   const Candidate* const settled = known == s_.effects.end() ? nullptr : known->hypothesis.place.candidate;
   for (FoundEffect e : seen) {
@@ -337,57 +357,7 @@ void Tracing::settle() {
   holdBackOnePath(s_, result_.notes);
   if (!options_.start && !robot_.chain) settleElsewhere(s_, result_.baseline, result_.notes);
   result_.rejected.insert(result_.rejected.end(), s_.taken_out.begin(), s_.taken_out.end());
-  keepFit();
-}
-
-void Tracing::keepFit() {
-  result_.effects = s_.effects;
-  const bool untouched = s_.effects.empty() && !options_.start;
-  if (untouched) adoptBase(s_, result_.baseline);  // what was taken out again may have left another law behind
-  result_.parameters = untouched ? result_.baseline.parameters : result_.base.parametersOf(s_.fit.base);
-  result_.seen_parameters = s_.seen_parameters;
-  result_.after_rms_N = s_.rms_N;
-  result_.floor_N = s_.floor.rms_N;  // beside what was found: effects in surrogates of the baseline are none
-  result_.floor_source = s_.floor.source;
-}
-
-/// Friction that was fitted beside an effect is wrong without it. Where nothing surely helps, the baseline is predicted.
-void Tracing::predictElsewhere() {
-  if (s_.effects.empty()) return;
-  const bool described = !isOnePathNotDescribed(result_.doubts, s_.data->recordings);
-  const bool helps = options_.start || robot_.chain || (described && helpsElsewhere(s_, result_.baseline));
-  if (!robot_.chain && leaveOutSmall(s_, helps, result_.rejected) > 0) {
-    if (helps) {
-      refit(s_);
-    } else if (s_.effects.empty()) {
-      adoptBase(s_, result_.baseline);
-    }
-    if (helps || s_.effects.empty()) keepFit();
-    if (s_.effects.empty()) return;
-  }
-  const auto transfers = [&](const FoundEffect& e) { return helps && e.transfers; };
-  if (std::all_of(s_.effects.begin(), s_.effects.end(), transfers)) return;
-  TraceResult elsewhere;
-  if (helps) {
-    ElsewhereFit fit = fitElsewhere(s_, result_.baseline, options_.start || robot_.chain);
-    keepFit();
-    elsewhere = result_;
-    elsewhere.effects = std::move(fit.effects);
-    elsewhere.parameters = fit.parameters;
-    elsewhere.seen_parameters = fit.seen_parameters;
-  } else {
-    result_.notes.push_back(
-        std::string(described ? "In held-back parts of the training recordings nothing that was found is surely better "
-                                "than the baseline: "
-                              : "The baseline does not describe the one path that was seen: ") +
-        "elsewhere the baseline is predicted.");
-    adoptBase(s_, result_.baseline);  // a model has one law near rest: that of what is predicted elsewhere
-    keepFit();
-    elsewhere = result_;
-    elsewhere.effects.clear();
-    elsewhere.parameters = elsewhere.seen_parameters = result_.baseline.parameters;
-  }
-  result_.elsewhere = std::make_shared<const TraceResult>(std::move(elsewhere));
+  keepFit(s_, result_);
 }
 
 }  // namespace

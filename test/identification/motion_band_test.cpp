@@ -144,6 +144,26 @@ TEST(MotionBand, OfSmoothLawsIsTheShortestLineWithinAnEncodersStepsWhereThatTell
   EXPECT_LT(taut_N, 0.7 * as_low_passed_N);
 }
 
+TEST(MotionBand, WhatWasFittedOnTheWayIsWhatWouldBeFittedAgain) {
+  const mechanism::Robot robot = axisCountedIn(5e-6);
+  const std::vector<Column> columns = columnsOf(robot);
+  const std::vector<recording::Recording> train = {creepingAxis(1)};
+  IdentifyOptions options;
+  options.uncertainty = false;
+  options.observation.setCutoff(10.0);
+  const std::vector<Observation> as_low_passed = observeAll(robot, columns, train, options.observation);
+  const MotionBand band = chooseMotionBand(robot, columns, train, as_low_passed, options.observation);
+  ASSERT_NE(band.fit, nullptr);
+  options.observation.taut_steps = band.taut_steps;
+  std::vector<Observation> training = observeAll(robot, columns, train, options.observation), again = training;
+  const Identification anew = identify(robot, training, options);
+  options.laws_of = band.fit;
+  const Identification of_its_laws = identify(robot, again, options);
+  EXPECT_EQ(band.fit->parameters, anew.parameters);
+  EXPECT_EQ(of_its_laws.parameters, anew.parameters);
+  EXPECT_EQ(again.front().regressor.front(), training.front().regressor.front());
+}
+
 TEST(MotionBand, OfBristlesIsNeverThatLine) {
   EXPECT_EQ(chosenFor(1e-6).band.taut_steps, 0.0);
   EXPECT_EQ(chosenFor(20e-6).band.taut_steps, 0.0);

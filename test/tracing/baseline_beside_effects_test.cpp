@@ -21,9 +21,11 @@ TEST(BaseFit, IsTheSameBesideAKnownEffectAsWithoutIt) {
   recording::ZeroPhaseLowPass(options.cutoff_hz, 1.0 / changed[0].signals.period_s).applyToColumns(effect);
   changed[0].force_filtered_N.col(1) += effect;
 
-  const BaseFit without = fitBase(robot, clean, stack, columns, 0);
-  const BaseFit beside = fitBase(robot, changed, stack, columns, 0, nullptr, {{effects}, {}, {}});
-  const BaseFit ignoring = fitBase(robot, changed, stack, columns, 0);
+  BaseOptions beside_effects;
+  beside_effects.beside.force_N = {effects};
+  const BaseFit without = fitBase(robot, clean, stack, columns);
+  const BaseFit beside = fitBase(robot, changed, stack, columns, beside_effects);
+  const BaseFit ignoring = fitBase(robot, changed, stack, columns);
   EXPECT_EQ(beside.coordinates(), without.coordinates());
   EXPECT_LT((beside.parameters - without.parameters).norm(), 1e-6 * without.parameters.norm());
   EXPECT_GT((ignoring.parameters - without.parameters).norm(), 1e-2 * without.parameters.norm());

@@ -45,7 +45,7 @@ const TrialMachine& machine() {
                                              [&] { return noise(random); }),
           m.options));
     m.data.stack = makeStack(m.data.recordings, m.options);
-    m.base = fitBase(m.robot, m.data.recordings, m.data.stack, identification::columnsOf(m.robot), 0);
+    m.base = fitBase(m.robot, m.data.recordings, m.data.stack, identification::columnsOf(m.robot));
     makeRows(m);
     return m;
   }();

@@ -83,7 +83,9 @@ TEST(GivenModel, IsCorrectedInTheDirectionsThatTheDataKnow) {
   std::vector<identification::Observation> training = {
       identification::observe(robot, identification::columnsOf(robot), recording, {})};
   const Eigen::VectorXd known = startParameters({start, "given.yaml"}, identification::columnsOf(robot));
-  const BaseFit base = fitBase(robot, training, makeStack(training, {}), identification::columnsOf(robot), 0, &known);
+  BaseOptions how;
+  how.given = known;
+  const BaseFit base = fitBase(robot, training, makeStack(training, {}), identification::columnsOf(robot), how);
   for (std::size_t c = 0; c < base.columns.size(); ++c) {
     const double value = known[static_cast<Eigen::Index>(c)];
     EXPECT_NEAR(base.parameters[static_cast<Eigen::Index>(c)], value, 0.05 * std::abs(value) + 0.2)

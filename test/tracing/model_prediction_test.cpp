@@ -35,8 +35,10 @@ Fitted fitted(const mechanism::Robot& robot) {
   f.other = all[2];
   all.pop_back();
   f.training = all;
-  f.result.base = fitBase(robot, f.training, makeStack(f.training, f.options.observation),
-                          identification::columnsOf(robot), robot.mechanism ? 30 : 0);
+  BaseOptions how;
+  how.rank = robot.mechanism ? 30 : 0;
+  f.result.base =
+      fitBase(robot, f.training, makeStack(f.training, f.options.observation), identification::columnsOf(robot), how);
   f.result.base.friction_laws[0] = dynamics::smoothLaw(1e-3);
   f.result.parameters = f.result.base.parameters;
   f.result.seen_parameters = 0.97 * f.result.base.parameters;
@@ -270,7 +272,7 @@ TEST(Baseline, OfTraceIsTheModelOfIdentify) {
   std::vector<identification::Observation> same = training;
   const identification::Identification id = identification::identify(robot, same, {});
   TraceResult result;
-  result.baseline = fitBase(robot, training, makeStack(training, options), columns, 0);
+  result.baseline = fitBase(robot, training, makeStack(training, options), columns);
   for (std::size_t k = 0; k < training.size(); ++k) {
     const Eigen::MatrixXd before = predictBaseline(result, training[k]);
     const Eigen::MatrixXd after =

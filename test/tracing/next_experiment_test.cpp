@@ -28,7 +28,9 @@ Case confusable(const mechanism::Robot& robot) {
       identification::observe(robot, identification::columnsOf(robot), recording, c.options.observation));
   std::vector<identification::Observation> copy = c.training;
   const Stack stack = makeStack(copy, c.options.observation);
-  c.result.base = fitBase(robot, copy, stack, identification::columnsOf(robot), robot.mechanism ? 20 : 0);
+  BaseOptions how;
+  how.rank = robot.mechanism ? 20 : 0;
+  c.result.base = fitBase(robot, copy, stack, identification::columnsOf(robot), how);
   c.result.parameters = c.result.base.parameters;
   c.result.candidates = std::make_shared<CandidateList>(namedCandidates(robot));
   c.result.floor_N = c.result.after_rms_N = Eigen::VectorXd::Ones(robot.axes());

@@ -71,7 +71,7 @@ PayloadTest tested(double payload_kg, const mechanism::Vector3& center, double h
   std::vector<identification::Observation> training = {
       identification::observe(robot, identification::columnsOf(robot), recording, options)};
   const Stack stack = makeStack(training, options);
-  const BaseFit base = fitBase(robot, training, stack, identification::columnsOf(robot), 0);
+  const BaseFit base = fitBase(robot, training, stack, identification::columnsOf(robot));
   const PayloadTest t = testPayload(robot, training, stack, base, base.noise_N);
   std::printf("%s\n  rms: URDF %.2f, with a point mass %.2f, free %.2f\n", t.sentence.c_str(), t.prior_rms,
               t.payload_rms, t.free_rms);

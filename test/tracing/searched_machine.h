@@ -28,7 +28,7 @@ class SearchedMachine : public testing::Test {
                                                                      variant, 24.0, [&] { return noise(random); }),
                                   {}));
     data_.stack = makeStack(data_.recordings, {});
-    base_ = fitBase(robot_, data_.recordings, data_.stack, identification::columnsOf(robot_), 0);
+    base_ = fitBase(robot_, data_.recordings, data_.stack, identification::columnsOf(robot_));
     BaseFit newtons = base_;
     newtons.noise_N.setOnes();
     data_.all_base_rows = baseRows(newtons, data_.recordings, data_.stack);

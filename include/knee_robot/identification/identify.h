@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,8 @@
 #include "knee_robot/identification/robust_fit.h"
 
 namespace knee_robot::identification {
+
+struct Identification;
 
 /// Everything that identification may be told.
 struct IdentifyOptions {
@@ -31,6 +34,9 @@ struct IdentifyOptions {
   /// Actuators whose law near rest has no peak, because something else is known to make friction larger there. Empty:
   /// none.
   std::vector<char> without_peak;
+  /// A fit of the same observations with the same options: its laws near rest are taken, whose choice is most of the
+  /// work, and the result is the same. Null: they are chosen.
+  std::shared_ptr<const Identification> laws_of;
 };
 
 /// A fitted model, and what its choices rest on. Nothing in here depends on validation data.
@@ -41,6 +47,7 @@ struct Identification {
   Reduction reduction;                   ///< the coordinates that were fitted, and
   Eigen::VectorXd coordinates;           ///< their values
   Eigen::VectorXd parameters;            ///< per column
+  Eigen::VectorXd beside_laws;           ///< the same, as they were when the laws near rest were chosen
   std::vector<Eigen::VectorXd>
       parameters_by_strength;  ///< least-squares parameters (all columns) for every point of prior.curve
   std::vector<Column> columns;

@@ -1,9 +1,10 @@
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
-#include "knee_robot/identification/observation.h"
+#include "knee_robot/identification/identify.h"
 
 namespace knee_robot::identification {
 
@@ -12,6 +13,8 @@ struct MotionBand {
   double cutoff_hz = 0.0;   ///< low-pass; 0: motionCutoff's
   double taut_steps = 0.0;  ///< ObservationOptions::taut_steps
   std::string sentence;     ///< for the report; empty where nothing was chosen
+  /// What was fitted from positions smoothed so, without standard errors; null: nothing was tried.
+  std::shared_ptr<const Identification> fit;
 };
 
 /// Chooses a wider low-pass than motionCutoff's, where the encoders allow twice that or more: near rest friction

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "knee_robot/identification/identify.h"
@@ -42,14 +43,20 @@ struct BaseFit {
   Eigen::VectorXd parametersOf(const Eigen::VectorXd& coordinates) const { return start + basis * coordinates; }
 };
 
+struct BaseOptions {
+  int rank = 0;  ///< 0: all directions, pulled towards the prior as held-back blocks choose
+  /// Parameters of a given model, per column, to which is pulled; friction and rotors, which have a sign, are fitted
+  /// anew. Empty: to the prior.
+  Eigen::VectorXd given;
+  EffectsBeside beside;
+  double least_strength = 0.0;                                    ///< of the prior
+  std::shared_ptr<const identification::Identification> laws_of;  ///< IdentifyOptions::laws_of
+};
+
 /// `identify` without standard errors: the same equations, weights, loss, prior, laws. Sets the Coulomb columns of
 /// `training`.
-/// `rank` 0: all directions, pulled towards the prior as held-back blocks choose. With `given` (parameters of a given
-/// model, per column) the pull is towards those; friction and rotors, which have a sign, are fitted anew. The prior's
-/// strength is at least `least_strength`.
 BaseFit fitBase(const mechanism::Robot& robot, std::vector<identification::Observation>& training, const Stack& stack,
-                const std::vector<identification::Column>& columns, int rank, const Eigen::VectorXd* given = nullptr,
-                EffectsBeside beside = {}, double least_strength = 0.0);
+                const std::vector<identification::Column>& columns, BaseOptions how = {});
 
 /// A fit of other rows of the same robot, to begin with: sets the Coulomb columns of `training`.
 BaseFit laidUnder(BaseFit known, std::vector<identification::Observation>& training);

@@ -25,6 +25,9 @@ struct TraceOptions {
   bool maps = true;                         ///< unnamed ones are tried as well
   bool fast_band = true;                    ///< a second, higher band is searched for what shows in fast motion only
   std::shared_ptr<const StartModel> start;  ///< null: no model is given
+  /// What `identify` fitted to the same observations with the same options: its laws near rest need not be chosen again.
+  /// Null: they are chosen.
+  std::shared_ptr<const identification::Identification> laws_of;
   std::function<void(const std::string&)> progress = [](const std::string&) {};
 };
 

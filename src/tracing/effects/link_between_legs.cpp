@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::size_t kFirst = 0, kSecond = 1, kBetween = 2, kFrom = 3, kSideOfPull = 4,
                       kRubsOver = 5;  ///< in the shape
-constexpr double kLongest_m = 3.0, kFromStep_m = 0.03;
+constexpr double kLongestLink_m = 3.0, kFromStep_m = 0.03;
 constexpr double kLeastWay_m = 2e-4, kUsualWay_m = 3e-3, kMostWay_m = 0.05, kWayFactor = 1.6;
 constexpr double kSlackShares[] = {0.25, 0.5, 0.75};  ///< of the samples, in which it hangs: beginnings of the search
 
@@ -59,7 +59,7 @@ class LinkBetweenLegs : public Candidate {
   bool needsTwoRecordings() const override { return true; }
   std::vector<ShapeParameter> shapeParameters() const override {
     return {{"first_leg", 1.0, 4.0, true}, {"second_leg", 1.0, 4.0, true},
-            {"between", 0.0, 2.0, true},   {"acts_from_m", -kLongest_m, kLongest_m},
+            {"between", 0.0, 2.0, true},   {"acts_from_m", -kLongestLink_m, kLongestLink_m},
             {"side", -1.0, 1.0, true},     {"rubs_over_m", kLeastWay_m, kMostWay_m}};
   }
   std::vector<std::vector<double>> shapes(const EffectInput& input, int actuator) const override;
