@@ -178,7 +178,8 @@ int run(const Arguments& a, const std::string& command_line) {
   }
   const auto tried =
       nodes::chooseSmoothing(robot, columns, training, r.options.observation, r.train, r.cutoff.sentence);
-  if (r.options.rank == 0) r.options.laws_of = tried;  // of all directions
+  const identification::IdentifyOptions usual;  // with which it was fitted
+  if (r.options.rank == usual.rank && r.options.narrowest_counts == usual.narrowest_counts) r.options.laws_of = tried;
   const std::vector<recording::Recording> validation = nodes::inUnits(robot, read_validation);
   r.validate = identification::observeAll(robot, columns, validation, r.options.observation);
   identification::requireForces(robot, r.validate, r.options.observation);

@@ -39,6 +39,23 @@ Predicted predictedOf(const Search& s) {
   return p;
 }
 
+/// Rows of an effect without what is each recording's own (how warm it began): of a path that was left out nobody knows
+/// it, and without another path it cannot be told from the rest.
+Eigen::MatrixXd rowsElsewhere(const TraceData& data, const Hypothesis& h) {
+  const Eigen::MatrixXd rows = effectRows(data, h);
+  if (!h.place.candidate->goesWithTime()) return rows;
+  const Eigen::VectorXd kept = h.place.candidate->elsewhere(Eigen::VectorXd::Ones(rows.cols()));
+  const Eigen::Index common = (kept.array() != 0.0).count();  // they come first
+  return common > 0 ? rows.leftCols(common).eval() : rows;
+}
+
+JointProblem problemOfPaths(const Search& s, const std::vector<Hypothesis>& effects, const Eigen::VectorXd& noise_N) {
+  std::vector<Eigen::MatrixXd> rows;
+  for (const Hypothesis& h : effects)
+    rows.push_back(rowsElsewhere(*s.data, h));
+  return JointProblem(*s.data, *s.base, noise_N, effects, std::move(rows));
+}
+
 /// Shares of the baseline's squares on paths that were left out: what all effects save together, and each beside the
 /// others.
 struct SavedOnPaths {
@@ -54,7 +71,7 @@ SavedOnPaths savedOnPaths(Search& s, const BaseFit& baseline, const Predicted& p
   all.insert(all.end(), p.local.begin(), p.local.end());
   const Stack own = s.data->stack;
   labelByPath(pathsOf(s.data->recordings), s.data->stack);
-  const JointProblem problem = problemOf(s, all);
+  const JointProblem problem = problemOfPaths(s, all, s.rms_N);
   const double with = problem.heldBack().sum();
   SavedOnPaths saved = {(before - with) / before, Eigen::ArrayXd(static_cast<Eigen::Index>(p.effects.size()))};
   inParallel(p.effects.size(), [&](std::size_t k) {
@@ -124,8 +141,7 @@ Eigen::VectorXd heldBackPositions(Search& s, const std::vector<Hypothesis>& effe
 Eigen::VectorXd heldBackPaths(Search& s, const std::vector<Hypothesis>& effects, const Eigen::VectorXd& noise_N) {
   const Stack own = s.data->stack;
   labelByPath(pathsOf(s.data->recordings), s.data->stack);
-  const Eigen::VectorXd left =
-      JointProblem(*s.data, *s.base, noise_N, effects, effectRows(*s.data, effects)).heldBack();
+  const Eigen::VectorXd left = problemOfPaths(s, effects, noise_N).heldBack();
   s.data->stack = own;
   return left;
 }

@@ -15,7 +15,8 @@ constexpr int kFewestBlocks = 3;  ///< in which an effect must act for blocks th
 
 /// Where each column of the problem comes from, bounded ones first (`bounded` of them): effect (-1: base), column in it.
 std::vector<std::pair<int, int>> sources(const BaseFit& base, const std::vector<Hypothesis>& effects,
-                                         const EffectInput& input, int& bounded_count) {
+                                         const std::vector<Eigen::MatrixXd>& rows, const EffectInput& input,
+                                         int& bounded_count) {
   std::vector<std::pair<int, int>> source;
   for (const bool bounded : {true, false}) {
     for (int c = 0; c < base.coordinates(); ++c) {
@@ -23,7 +24,7 @@ std::vector<std::pair<int, int>> sources(const BaseFit& base, const std::vector<
     }
     for (std::size_t e = 0; e < effects.size(); ++e) {
       const std::vector<Coefficient> coefficients = effects[e].place.candidate->coefficients(input);
-      for (std::size_t c = 0; c < coefficients.size(); ++c) {
+      for (std::size_t c = 0; c < static_cast<std::size_t>(rows[e].cols()); ++c) {
         if (coefficients[c].non_negative == bounded) source.emplace_back(static_cast<int>(e), static_cast<int>(c));
       }
     }
@@ -171,7 +172,7 @@ JointProblem::JointProblem(const TraceData& data, const BaseFit& base, const Eig
     : data_(data),
       noise_N_(noise_N),
       effect_rows_(std::move(effect_rows)),
-      source_(sources(base, effects, data.inputs.front(), problem_.bounded)),
+      source_(sources(base, effects, effect_rows_, data.inputs.front(), problem_.bounded)),
       equations_(equationsOf(data, noise_N, source_, effect_rows_)) {
   problem_.blocks = identification::compressBlocks(equations_);
   const Eigen::MatrixXd all = identification::joinBlocks(problem_.blocks, -1);

@@ -51,6 +51,18 @@ TEST_F(HeldBackPaths, AnEffectThatIsMuchLessAlongOneOfThemIsNot) {
       << notes_[0];
 }
 
+/// How warm each recording began is known while it is there. It cannot be told from what all have once one path is left.
+TEST_F(HeldBackPaths, FrictionThatFallsAsDrivesWarmUpIsPredictedElsewhere) {
+  const Hypothesis drift = named("thermal_drift", {20.0, 0.0, 0.0, 0.0, 0.0});
+  Eigen::VectorXd changes(4);
+  changes << -6.0, -40.0, 0.0, 0.0;
+  has(drift, changes);
+  finds({drift});
+  ask();
+  EXPECT_TRUE(search_.effects[0].transfers);
+  EXPECT_TRUE(notes_.empty()) << notes_[0];
+}
+
 TEST_F(HeldBackPaths, NothingIsPredictedBesideALawThatIsWorseThanTheBaselines) {
   hasAlongPaths(gain_, 0.02, 0.02);
   rubBy(dynamics::smoothLaw(8e-3));

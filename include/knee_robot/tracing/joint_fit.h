@@ -45,7 +45,8 @@ struct BlockProblem {
 /// further pass over the samples.
 class JointProblem {
  public:
-  /// `effect_rows[k]` belongs to `effects[k]` and is in N. `data` outlives the problem.
+  /// `effect_rows[k]` belongs to `effects[k]` and is in N: of all its coefficients, or of the first of them only. `data`
+  /// outlives the problem.
   JointProblem(const TraceData& data, const BaseFit& base, const Eigen::VectorXd& noise_N,
                const std::vector<Hypothesis>& effects, std::vector<Eigen::MatrixXd> effect_rows);
 
