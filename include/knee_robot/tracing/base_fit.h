@@ -43,6 +43,7 @@ struct BaseFit {
   Eigen::VectorXd parametersOf(const Eigen::VectorXd& coordinates) const { return start + basis * coordinates; }
 };
 
+/// Everything that a baseline may be told.
 struct BaseOptions {
   int rank = 0;  ///< 0: all directions, pulled towards the prior as held-back blocks choose
   /// Parameters of a given model, per column, to which is pulled; friction and rotors, which have a sign, are fitted
